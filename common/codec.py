@@ -1,0 +1,107 @@
+"""MessagePack <-> messages, validated at the edge: what is not exactly right is refused and counted."""
+
+import math
+from collections import Counter
+from typing import Generic, TypeVar
+
+import msgspec
+
+from common.errors import FarhandError
+from common.messages import SCHEMA, Message
+
+MAX_PAYLOAD = 1 << 20
+
+M = TypeVar("M", bound=Message)
+
+_encoder = msgspec.msgpack.Encoder()
+
+
+class CodecError(FarhandError):
+    """A payload was refused.
+
+    Attributes:
+        reason: one word: length, malformed, schema, unknown-field, type or non-finite.
+    """
+
+    def __init__(self, reason: str, detail: str) -> None:
+        super().__init__(f"{reason}: {detail}")
+        self.reason = reason
+
+
+def encode(message: Message) -> bytes:
+    """MessagePack map of a message."""
+    return _encoder.encode(message)
+
+
+class Decoder(Generic[M]):
+    """Decodes one kind of message and counts what it refuses.
+
+    Args:
+        kind: the message class.
+    """
+
+    def __init__(self, kind: type[M]) -> None:
+        self._decoder = msgspec.msgpack.Decoder(kind)
+        self.refused: Counter[str] = Counter()
+        self.last_refusal = ""
+
+    def decode(self, payload: bytes) -> M | None:
+        """The message, or None when it was refused (`last_refusal` says why)."""
+        try:
+            return self.decode_or_raise(payload)
+        except CodecError as error:
+            self.refused[error.reason] += 1
+            self.last_refusal = str(error)
+            return None
+
+    def decode_or_raise(self, payload: bytes) -> M:
+        """The message; raises CodecError with a reason."""
+        if not 0 < len(payload) <= MAX_PAYLOAD:
+            raise CodecError("length", f"{len(payload)} bytes, at most {MAX_PAYLOAD}")
+        try:
+            message = self._decoder.decode(payload)
+        except msgspec.ValidationError as error:
+            raise CodecError(_validation_reason(str(error), payload), str(error)) from None
+        except (msgspec.DecodeError, ValueError, RecursionError, OverflowError) as error:
+            raise CodecError("malformed", str(error)) from None
+        if message.schema != SCHEMA:
+            raise CodecError("schema", f"version {message.schema}, this program speaks {SCHEMA}")
+        field = _non_finite_field(message)
+        if field is not None:
+            raise CodecError("non-finite", f"field {field}")
+        return message
+
+
+def _validation_reason(text: str, payload: bytes) -> str:
+    """The one word for a validation error; a foreign schema version explains all else."""
+    try:
+        found = msgspec.msgpack.decode(payload)
+    except (msgspec.DecodeError, ValueError, RecursionError):
+        return "malformed"
+    if isinstance(found, dict) and found.get("schema", SCHEMA) != SCHEMA:
+        return "schema"
+    if "unknown field" in text:
+        return "unknown-field"
+    if "length" in text:
+        return "length"
+    return "type"
+
+
+def _non_finite_field(message: Message) -> str | None:
+    """Name of a field that holds NaN (infinities fail the range check of the type), or None."""
+    for name in message.__struct_fields__:
+        if not _finite(getattr(message, name)):
+            return name
+    return None
+
+
+def _finite(value: object) -> bool:
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, tuple):
+        return all(map(_finite, value))
+    if isinstance(value, msgspec.Struct):
+        return all(_finite(getattr(value, name)) for name in value.__struct_fields__)
+    if isinstance(value, dict):
+        return all(map(_finite, value.values()))
+    return True

@@ -1,0 +1,49 @@
+"""Zenoh keys: `farhand/<robot>/<kind>`."""
+
+import re
+
+from common.errors import InputError
+
+PREFIX = "farhand"
+_ROBOT_NAME = re.compile(r"[A-Za-z0-9_.-]{1,32}\Z")
+
+
+def check_robot_name(name: str) -> str:
+    """The name itself if it can be part of a key; raises InputError otherwise."""
+    if not _ROBOT_NAME.match(name):
+        raise InputError(
+            f"--robot {name!r}: a robot's name is 1 to 32 letters, digits, dots, dashes or underscores"
+        )
+    return name
+
+
+def command_key(robot: str) -> str:
+    """Operator to robot: VelocityCommand."""
+    return f"{PREFIX}/{robot}/command"
+
+
+def state_key(robot: str) -> str:
+    """Robot to operator: RobotState."""
+    return f"{PREFIX}/{robot}/state"
+
+
+def scene_key(robot: str) -> str:
+    """Robot to operator: Scene."""
+    return f"{PREFIX}/{robot}/scene"
+
+
+def report_key(robot: str) -> str:
+    """Operator to its own console and recorder: ControlReport."""
+    return f"{PREFIX}/{robot}/report"
+
+
+def robot_of(key: str) -> str:
+    """The robot that a key belongs to; empty if it is none of ours."""
+    parts = key.split("/")
+    return parts[1] if len(parts) >= 3 and parts[0] == PREFIX else ""
+
+
+def kind_of(key: str) -> str:
+    """The kind of message under a key: command, state, scene, camera, report, ...; empty if none of ours."""
+    parts = key.split("/")
+    return parts[2] if len(parts) >= 3 and parts[0] == PREFIX else ""

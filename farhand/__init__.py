@@ -1,0 +1,1 @@
+"""The front door and the laboratory: command line, demo, simulation, experiments."""

@@ -1,0 +1,1 @@
+"""The emulated network: a proxy between operator and robot."""

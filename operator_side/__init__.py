@@ -1,0 +1,1 @@
+"""The operator's side: steering, prediction, margin, safety filter."""

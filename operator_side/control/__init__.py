@@ -1,0 +1,1 @@
+"""Safety filters behind one interface."""

@@ -1,0 +1,97 @@
+"""The interface of every safety filter: a problem in, a plan and an honest status out. Nothing throws."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+
+from common.geometry import Array
+from common.scenario import ControllerSettings
+
+
+class Status(str, Enum):
+    """How a solve ended.
+
+    OPTIMAL and SHORTCUT meet every constraint. ELASTIC: converged, but a constraint had to give.
+    CAPPED: iterations ran out. INFEASIBLE: proven that no plan within the limits meets the first
+    constraint. BAD_INPUT: something was not finite. FAILED: the solver itself gave up.
+    """
+
+    OPTIMAL = "optimal"
+    SHORTCUT = "shortcut"
+    ELASTIC = "elastic"
+    CAPPED = "capped"
+    INFEASIBLE = "infeasible"
+    BAD_INPUT = "bad-input"
+    FAILED = "failed"
+
+    @property
+    def good(self) -> bool:
+        """Whether the plan meets every constraint."""
+        return self in (Status.OPTIMAL, Status.SHORTCUT)
+
+
+@dataclass(frozen=True, slots=True)
+class ControlProblem:
+    """One tick's problem, base frame.
+
+    Attributes:
+        position: (3,) start state, already predicted and compensated for lag (m).
+        desired: (3,) desired velocity, held over the horizon (m/s).
+        centres: (n, 3) obstacle centres at the start of the horizon (m).
+        radii: (n,) R_j = r_robot + r_j + d_min + inflation (m).
+        velocities: (n, 3) obstacle velocities (m/s).
+        sigmas: (n,) the paper's margin, subtracted from h_j (m as printed there, acts in m^2).
+    """
+
+    position: Array
+    desired: Array
+    centres: Array
+    radii: Array
+    velocities: Array
+    sigmas: Array
+
+
+@dataclass(frozen=True, slots=True)
+class ControlSolution:
+    """What a controller decided.
+
+    Attributes:
+        plan: (N, 3) velocities, the first to be applied now (m/s); always finite and within the limits.
+        status: see Status.
+        cost: of the plan; NaN where it has no meaning.
+        violation: largest violation of a constraint (m^2), 0 if none.
+        iterations: of the solver.
+        binding: index of the obstacle whose constraint binds most, -1 if none.
+    """
+
+    plan: Array
+    status: Status
+    cost: float = float("nan")
+    violation: float = 0.0
+    iterations: int = 0
+    binding: int = -1
+
+
+class Controller(Protocol):
+    """A safety filter. `solve` never raises and never returns a non-finite plan."""
+
+    settings: ControllerSettings
+
+    def prepare(self) -> None:
+        """Compile and warm up; to be called before anything is connected."""
+        ...
+
+    def solve(self, problem: ControlProblem) -> ControlSolution:
+        """Decide one tick; keeps a warm start for the next."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the warm start."""
+        ...
+
+
+def zero_plan(settings: ControllerSettings) -> Array:
+    """(N, 3) of zero velocities."""
+    return np.zeros((settings.horizon, 3))

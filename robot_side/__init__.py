@@ -1,0 +1,1 @@
+"""The robot side: watchdog, guard, velocity control, robot."""
