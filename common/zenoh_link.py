@@ -155,7 +155,7 @@ class ZenohLink:
             self._closing = True
             self._condition.notify()
         self._thread.join(drain_time)
-        self.session.close()
+        self.session.close()  # type: ignore[no-untyped-call]
 
     def _receive(self, sample: zenoh.Sample) -> None:
         if sample.kind != zenoh.SampleKind.PUT:

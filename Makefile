@@ -1,0 +1,28 @@
+# make demo   drive a UR5 past an obstacle over a bad network
+# make test   run all tests
+# make check  style, types, and the one way of imports
+# make bench  speed, as ratios from one run
+.PHONY: demo test check bench .venv clean
+
+demo: .venv
+	@.venv/bin/farhand demo $(ARGS)
+
+test: .venv
+	@.venv/bin/python -m pytest $(ARGS)
+
+check: .venv
+	@.venv/bin/ruff check .
+	@.venv/bin/ruff format --check .
+	@.venv/bin/mypy
+	@.venv/bin/lint-imports
+
+bench: .venv
+	@.venv/bin/python -m benchmarks $(ARGS)
+
+.venv: .venv/.ready
+
+.venv/.ready: requirements.lock pyproject.toml
+	@sh scripts/make-environment.sh
+
+clean:
+	rm -rf .venv runs .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info build
