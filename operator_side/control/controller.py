@@ -78,6 +78,8 @@ class Controller(Protocol):
     """A safety filter. `solve` never raises and never returns a non-finite plan."""
 
     settings: ControllerSettings
+    solver_notice: str
+    """One line for the user where this is not quite what the settings asked for, else empty."""
 
     def prepare(self) -> None:
         """Compile and warm up; to be called before anything is connected."""

@@ -1,0 +1,40 @@
+"""From settings to a controller. To add one: one small file, one line here, one name in common/scenario.py.
+
+Solvers are imported only when chosen, so that a program starts fast.
+"""
+
+from common.errors import InputError
+from common.scenario import ControllerSettings
+from operator_side.control.controller import Controller
+
+
+def make_controller(settings: ControllerSettings) -> Controller:
+    """The controller that the settings ask for; raises InputError for a kind that does not exist.
+
+    Where it cannot be quite what was asked for, the controller's `solver_notice` says so in one line.
+    """
+    if settings.kind == "pass-through":
+        from operator_side.control.pass_through import PassThrough
+
+        return PassThrough(settings)
+    if settings.kind == "one-step":
+        from operator_side.control.one_step import OneStep
+
+        return OneStep(settings)
+    if settings.kind == "mpc-distance":
+        from operator_side.control.mpc_distance import distance_settings
+
+        return _mpc(distance_settings(settings))
+    if settings.kind == "mpc-cbf":
+        return _mpc(settings)
+    raise InputError(
+        f"controller.kind: {settings.kind!r} is none of mpc-cbf, pass-through, one-step, mpc-distance"
+    )
+
+
+def _mpc(settings: ControllerSettings) -> Controller:
+    if settings.solver == "newton":
+        from operator_side.control.newton import NewtonController
+
+        return NewtonController(settings)
+    raise InputError(f"controller.solver: {settings.solver!r} is none of newton, sqp, ipopt")

@@ -1,0 +1,23 @@
+"""Compile the solver into the cache: `python -m operator_side.control.warm`."""
+
+import sys
+
+from common.clock import processor_seconds
+from common.scenario import ControllerSettings
+from operator_side.control.registry import make_controller
+
+
+def main() -> int:
+    """Compile, with a line of progress before and after; returns the exit code."""
+    print("compiling the controller (some 20 s when the cache is empty) ...", end=" ", flush=True)
+    start = processor_seconds()
+    controller = make_controller(ControllerSettings())
+    controller.prepare()
+    print(f"done in {processor_seconds() - start:.1f} s")
+    if controller.solver_notice:
+        print(controller.solver_notice)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
