@@ -7,6 +7,7 @@ from common.scenario import ControllerSettings
 from operator_side.control import compile_cache
 from operator_side.control import newton_kernel as kernel
 from operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from operator_side.control.tracking import tracking_matrices, unconstrained_gains
 
 _STATUS = (
     Status.OPTIMAL,
@@ -41,26 +42,6 @@ def kernel_parameters(settings: ControllerSettings) -> Array:
     par[kernel.PRICE_MAX] = 1e5 * (curvature / 62.0) * (0.1 / dt)
     par[kernel.CURVATURE] = curvature
     return par
-
-
-def tracking_matrices(settings: ControllerSettings) -> tuple[Array, Array]:
-    """W (N+1, N+1) and w (N+1,): on each axis the tracking cost is u'W u - 2 (w'u) desired + const."""
-    n = settings.horizon
-    matrix = np.zeros((n + 1, n + 1))
-    for i in range(n):
-        matrix[i, i] += settings.q + settings.r + settings.s
-        matrix[i + 1, i + 1] += settings.s
-        matrix[i, i + 1] -= settings.s
-        matrix[i + 1, i] -= settings.s
-    matrix[n, n] += settings.p
-    linear = np.full(n + 1, settings.q)
-    linear[n] = settings.p
-    return matrix, linear
-
-
-def unconstrained_gains(settings: ControllerSettings) -> Array:
-    """(N+1,) factors c_i: without obstacles and box the optimum is u_i = c_i times the desired velocity."""
-    return np.asarray(np.linalg.solve(*tracking_matrices(settings)), dtype=np.float64)
 
 
 def tracking_hessian(settings: ControllerSettings) -> Array:

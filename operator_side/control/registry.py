@@ -3,6 +3,8 @@
 Solvers are imported only when chosen, so that a program starts fast.
 """
 
+from msgspec import structs
+
 from common.errors import InputError
 from common.scenario import ControllerSettings
 from operator_side.control.controller import Controller
@@ -33,8 +35,23 @@ def make_controller(settings: ControllerSettings) -> Controller:
 
 
 def _mpc(settings: ControllerSettings) -> Controller:
+    notice = ""
     if settings.solver == "newton":
-        from operator_side.control.newton import NewtonController
+        try:
+            from operator_side.control.newton import NewtonController
 
-        return NewtonController(settings)
+            return NewtonController(settings)
+        except ImportError as error:
+            notice = f"the compiled solver cannot be used ({error}); the slower CasADi SQP takes over"
+            settings = structs.replace(settings, solver="sqp")
+    if settings.solver == "sqp":
+        from operator_side.control.sqp import SqpController
+
+        sqp = SqpController(settings)
+        sqp.solver_notice = notice
+        return sqp
+    if settings.solver == "ipopt":
+        from operator_side.control.ipopt import IpoptController
+
+        return IpoptController(settings)
     raise InputError(f"controller.solver: {settings.solver!r} is none of newton, sqp, ipopt")

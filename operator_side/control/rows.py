@@ -112,3 +112,15 @@ def subset(problem: ControlProblem, keep: NDArray[np.bool_] | NDArray[np.intp]) 
         velocities=problem.velocities[keep],
         sigmas=problem.sigmas[keep],
     )
+
+
+def leaving_velocity(problem: ControlProblem, settings: ControllerSettings) -> Array:
+    """(3,) straight away from the nearest obstacle at 0.6 of the limits (m/s); upwards from its very
+    centre."""
+    away = problem.position - problem.centres
+    distance = np.linalg.norm(away, axis=1)
+    nearest = int(np.argmin(distance - problem.radii))
+    if distance[nearest] < 1e-9:
+        return np.array([0.0, 0.0, 0.6 * settings.speed_limit[2]])
+    velocity: Array = 0.6 * np.array(settings.speed_limit) * away[nearest] / distance[nearest]
+    return velocity
