@@ -1,0 +1,1 @@
+"""One impairment a file, behind the interface of base.py; registry.py lists them."""

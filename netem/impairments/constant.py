@@ -1,0 +1,44 @@
+"""`constant:MS`: every message is delayed by the same time (tc: `delay 200ms`)."""
+
+from dataclasses import dataclass
+
+from common.clock import to_seconds
+from netem.impairments.base import Context
+from netem.impairments.delay import DelayWord, Sampler
+from netem.spec_reader import Reader, milliseconds_text
+
+
+class Constant(DelayWord, frozen=True):
+    """A constant delay.
+
+    Attributes:
+        delay_ns: the delay.
+    """
+
+    delay_ns: int
+
+    @classmethod
+    def parse(cls, reader: Reader) -> "Constant":
+        """`:MS`."""
+        reader.example = "constant:200"
+        reader.expect(":", "the delay in ms")
+        delay_ns = reader.duration_ns("the delay in ms")
+        if reader.text.startswith(",", reader.position):
+            reader.fail("a constant delay has no jitter, so neither a second number nor a correlation")
+        return cls(delay_ns)
+
+    def text(self) -> str:
+        """Canonical word."""
+        return f"constant:{milliseconds_text(self.delay_ns)}"
+
+    def sampler(self, context: Context) -> Sampler:
+        """The constant."""
+        return _ConstantSampler(to_seconds(self.delay_ns))
+
+
+@dataclass(frozen=True, slots=True)
+class _ConstantSampler:
+    delay: float
+
+    def draw(self, now_ns: int) -> float:
+        return self.delay

@@ -1,0 +1,60 @@
+"""`corrupt:P[,CORRELATION%]`: one random bit of the payload is flipped (tc: `corrupt 0.1%`)."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from common.link import Packet
+from netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from netem.impairments.loss_random import RandomEvents
+from netem.spec_reader import Reader, percent_text
+
+
+class Corrupt(Word, frozen=True):
+    """Corruption.
+
+    Attributes:
+        probability: of a flipped bit.
+        correlation: of neighbouring messages of one key.
+    """
+
+    probability: float
+    correlation: float = 0.0
+    kind: ClassVar[str] = "corrupt"
+    stage: ClassVar[Stage] = Stage.CORRUPT
+
+    @classmethod
+    def parse(cls, reader: Reader) -> "Corrupt":
+        """`:P[,CORRELATION%]`."""
+        reader.example = "corrupt:0.1%"
+        reader.expect(":", "the probability of a flipped bit")
+        return cls(reader.probability("the probability of a flipped bit"), reader.optional_correlation())
+
+    def text(self) -> str:
+        """Canonical word."""
+        tail = f",{percent_text(self.correlation)}" if self.correlation else ""
+        return f"corrupt:{percent_text(self.probability)}{tail}"
+
+    def build(self, context: Context) -> Impairment:
+        """The bit flipper."""
+        events = RandomEvents(context, "corrupt", self.probability, self.correlation)
+        return _Corrupt(events, context.rng("corrupt-bit"))
+
+
+class _Corrupt:
+    def __init__(self, events: RandomEvents, rng: np.random.Generator) -> None:
+        self._events = events
+        self._random = rng.random
+
+    def apply(self, transit: Transit) -> None:
+        if not self._events.draw():
+            return
+        place = float(self._random())
+        packet = transit.packet
+        if transit.cause or not packet.payload:
+            return
+        flipped = bytearray(packet.payload)
+        bit = int(place * 8 * len(flipped))
+        flipped[bit // 8] ^= 1 << (bit % 8)
+        transit.packet = Packet(packet.key, bytes(flipped), packet.arrived_ns, packet.envelope)
+        transit.corrupted = True

@@ -1,0 +1,126 @@
+"""Delay: what all delay words share. Draws below zero are a delay of zero, as in tc-netem, and counted.
+
+Jitter correlation is a Gaussian copula: z_n = rho z_(n-1) + sqrt(1 - rho^2) e_n is standard normal for
+every n, and the delay is the distribution's quantile at Phi(z_n). So correlated delays keep exactly the
+distribution that was asked for (tc-netem blends uniform numbers, which changes it).
+"""
+
+import math
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from common.clock import to_ns
+from netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from netem.spec_reader import Reader, milliseconds_text, percent_text
+
+_SQRT_HALF = math.sqrt(0.5)
+
+
+class Sampler(Protocol):
+    """A source of one-way delays."""
+
+    def draw(self, now_ns: int) -> float | None:
+        """Delay (s) of the next message, which arrived at `now_ns`; None: it is lost."""
+        ...
+
+
+class DelayWord(Word, frozen=True):
+    """A delay word; `build` makes the stage around the sampler."""
+
+    kind: ClassVar[str] = "delay"
+    stage: ClassVar[Stage] = Stage.DELAY
+
+    def sampler(self, context: Context) -> Sampler:
+        """The source of delays."""
+        raise NotImplementedError
+
+    def build(self, context: Context) -> Impairment:
+        """The impairment that delays each message by a draw of `sampler`."""
+        return Delay(self.sampler(context))
+
+
+class Delay:
+    """Adds a drawn delay to every message.
+
+    Args:
+        sampler: where the delays come from.
+    """
+
+    def __init__(self, sampler: Sampler) -> None:
+        self._sampler = sampler
+        self.below_zero = 0
+
+    def apply(self, transit: Transit) -> None:
+        """Draw, and release that much later."""
+        delay = self._sampler.draw(transit.arrived_ns)
+        if delay is None:
+            transit.cause = transit.cause or "trace"
+            return
+        if delay < 0:
+            self.below_zero += 1
+            delay = 0.0
+        transit.delay_ns = to_ns(delay)
+        transit.release_ns += transit.delay_ns
+
+
+class CorrelatedNormal:
+    """Standard normal numbers, each correlated with the one before.
+
+    Args:
+        rng: source of the innovations.
+        correlation: of neighbours, 0 <= rho < 1.
+    """
+
+    def __init__(self, rng: np.random.Generator, correlation: float) -> None:
+        self._normal = rng.standard_normal
+        self._rho = correlation
+        self._scale = math.sqrt(1 - correlation * correlation)
+        self._z: float | None = None
+
+    def draw(self) -> float:
+        """The next number."""
+        innovation = float(self._normal())
+        if self._rho == 0.0 or self._z is None:
+            self._z = innovation
+        else:
+            self._z = self._rho * self._z + self._scale * innovation
+        return self._z
+
+
+def upper_tail(z: float) -> float:
+    """1 - Phi(z), uniform on (0, 1) for a standard normal z."""
+    return 0.5 * math.erfc(z * _SQRT_HALF)
+
+
+class MeanSdWord(DelayWord, frozen=True):
+    """A delay with a mean, a standard deviation and perhaps a correlation.
+
+    Attributes:
+        mean_ns, sd_ns: of the distribution, before draws below zero become zero.
+        correlation: of neighbouring messages of one key.
+    """
+
+    mean_ns: int
+    sd_ns: int
+    correlation: float = 0.0
+    word: ClassVar[str]
+
+    @classmethod
+    def parse(cls, reader: Reader) -> "MeanSdWord":
+        """`:MEAN,SD[,CORRELATION%]`, ms."""
+        reader.example = f"{cls.word}:50,20"
+        reader.expect(":", "the mean and the standard deviation in ms")
+        mean_ns = reader.duration_ns("the mean delay in ms")
+        reader.expect(",", "the standard deviation in ms")
+        sd_ns = reader.duration_ns("the standard deviation in ms")
+        start = reader.position
+        correlation = reader.optional_correlation()
+        if correlation and not sd_ns:
+            reader.fail("a correlation without jitter has no meaning", start)
+        return cls(mean_ns, sd_ns, correlation)
+
+    def text(self) -> str:
+        """Canonical word."""
+        tail = f",{percent_text(self.correlation)}" if self.correlation else ""
+        return f"{self.word}:{milliseconds_text(self.mean_ns)},{milliseconds_text(self.sd_ns)}{tail}"

@@ -1,0 +1,30 @@
+"""`gaussian:MEAN,SD[,CORRELATION%]`: normal delays (tc: `delay 50ms 20ms distribution normal`).
+
+A draw below zero is a delay of zero, as in tc-netem; at 50,20 that is 0.6% of the messages and lifts the
+mean by 0.04 ms.
+"""
+
+from typing import ClassVar
+
+from common.clock import to_seconds
+from netem.impairments.base import Context
+from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
+
+
+class Gaussian(MeanSdWord, frozen=True):
+    """A normal delay."""
+
+    word: ClassVar[str] = "gaussian"
+
+    def sampler(self, context: Context) -> Sampler:
+        """Normal delays."""
+        return _GaussianSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
+
+
+class _GaussianSampler:
+    def __init__(self, word: Gaussian, normal: CorrelatedNormal) -> None:
+        self._mean, self._sd = to_seconds(word.mean_ns), to_seconds(word.sd_ns)
+        self._normal = normal
+
+    def draw(self, now_ns: int) -> float:
+        return self._mean + self._sd * self._normal.draw()

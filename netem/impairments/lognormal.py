@@ -1,0 +1,43 @@
+"""`lognormal:MEAN,SD[,CORRELATION%]`: delays whose logarithm is normal; MEAN and SD are of the delay itself.
+
+mu = ln(mean) - sigma^2 / 2 and sigma^2 = ln(1 + sd^2 / mean^2). tc-netem has no such table built in.
+"""
+
+import math
+from typing import ClassVar
+
+from common.clock import to_seconds
+from netem.impairments.base import Context
+from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
+from netem.spec_reader import MAX_DELAY_NS, Reader
+
+
+class LogNormal(MeanSdWord, frozen=True):
+    """A log-normal delay."""
+
+    word: ClassVar[str] = "lognormal"
+
+    @classmethod
+    def parse(cls, reader: Reader) -> "LogNormal":
+        """`:MEAN,SD[,CORRELATION%]`, ms, the mean above 0."""
+        start = reader.position + 1
+        found = super().parse(reader)
+        if not found.mean_ns:
+            reader.fail("the mean delay must be above 0", start)
+        return cls(found.mean_ns, found.sd_ns, found.correlation)
+
+    def sampler(self, context: Context) -> Sampler:
+        """Log-normal delays."""
+        return _LogNormalSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
+
+
+class _LogNormalSampler:
+    def __init__(self, word: LogNormal, normal: CorrelatedNormal) -> None:
+        variance = math.log1p((word.sd_ns / word.mean_ns) ** 2)
+        self._mu = math.log(to_seconds(word.mean_ns)) - variance / 2
+        self._sigma = math.sqrt(variance)
+        self._normal = normal
+        self._largest = math.log(to_seconds(MAX_DELAY_NS))
+
+    def draw(self, now_ns: int) -> float:
+        return math.exp(min(self._largest, self._mu + self._sigma * self._normal.draw()))

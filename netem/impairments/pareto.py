@@ -1,0 +1,41 @@
+"""`pareto:MEAN,SD[,CORRELATION%]`: heavy-tailed delays (tc: `delay 50ms 20ms distribution pareto`).
+
+A Pareto variable of shape 3, as in tc-netem, but shifted and scaled so that mean and standard deviation
+are the ones asked for, and without the cut at four deviations of tc's table. The smallest delay is
+MEAN - SD / sqrt(3).
+"""
+
+import math
+from typing import ClassVar
+
+from common.clock import to_seconds
+from netem.impairments.base import Context
+from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
+
+SHAPE = 3.0
+_MEAN = SHAPE / (SHAPE - 1)
+_SD = math.sqrt(SHAPE / (SHAPE - 2)) / (SHAPE - 1)
+
+
+def standard_pareto(tail: float) -> float:
+    """Pareto quantile with mean 0 and deviation 1 at the upper tail probability `tail` in (0, 1]."""
+    return float((max(tail, 1e-300) ** (-1 / SHAPE) - _MEAN) / _SD)
+
+
+class Pareto(MeanSdWord, frozen=True):
+    """A Pareto delay."""
+
+    word: ClassVar[str] = "pareto"
+
+    def sampler(self, context: Context) -> Sampler:
+        """Pareto delays."""
+        return _ParetoSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
+
+
+class _ParetoSampler:
+    def __init__(self, word: Pareto, normal: CorrelatedNormal) -> None:
+        self._mean, self._sd = to_seconds(word.mean_ns), to_seconds(word.sd_ns)
+        self._normal = normal
+
+    def draw(self, now_ns: int) -> float:
+        return self._mean + self._sd * standard_pareto(upper_tail(self._normal.draw()))

@@ -1,0 +1,39 @@
+"""`paretonormal:MEAN,SD[,CORRELATION%]`: a quarter normal, three quarters Pareto, as tc's table mixes them.
+
+The sum 0.25 N + 0.75 P of a standard normal and a standardised Pareto variable, scaled to the deviation
+asked for (tc: `delay 50ms 20ms distribution paretonormal`).
+"""
+
+import math
+from typing import ClassVar
+
+from common.clock import to_seconds
+from netem.impairments.base import Context
+from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
+from netem.impairments.pareto import standard_pareto
+
+_SCALE = 1 / math.hypot(0.25, 0.75)
+NORMAL_PART, PARETO_PART = 0.25 * _SCALE, 0.75 * _SCALE
+
+
+class ParetoNormal(MeanSdWord, frozen=True):
+    """A delay between normal and Pareto."""
+
+    word: ClassVar[str] = "paretonormal"
+
+    def sampler(self, context: Context) -> Sampler:
+        """Delays of the sum."""
+        rng = context.rng("delay")
+        return _ParetoNormalSampler(
+            self, CorrelatedNormal(rng, self.correlation), CorrelatedNormal(rng, self.correlation)
+        )
+
+
+class _ParetoNormalSampler:
+    def __init__(self, word: ParetoNormal, normal: CorrelatedNormal, pareto: CorrelatedNormal) -> None:
+        self._mean, self._sd = to_seconds(word.mean_ns), to_seconds(word.sd_ns)
+        self._normal, self._pareto = normal, pareto
+
+    def draw(self, now_ns: int) -> float:
+        pareto = standard_pareto(upper_tail(self._pareto.draw()))
+        return self._mean + self._sd * (NORMAL_PART * self._normal.draw() + PARETO_PART * pareto)

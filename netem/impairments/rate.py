@@ -1,0 +1,64 @@
+"""`rate:RATE[,QUEUE]`: the messages' bytes leave one after the other at RATE (tc: `rate 2mbit limit N`).
+
+What waits is bounded by QUEUE bytes (256 kB unless said); a message that does not fit is dropped (tail drop).
+All messages of a direction share one queue, first in, first out: a camera can starve the commands.
+"""
+
+from typing import ClassVar
+
+from netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from netem.spec_reader import Reader, number_text
+
+DEFAULT_QUEUE = 256_000
+
+
+class Rate(Word, frozen=True):
+    """A rate limit.
+
+    Attributes:
+        bits_per_second: the rate.
+        queue: bytes that may wait.
+    """
+
+    bits_per_second: int
+    queue: int = DEFAULT_QUEUE
+    kind: ClassVar[str] = "rate"
+    stage: ClassVar[Stage] = Stage.RATE
+    scope: ClassVar[Scope] = Scope.LINK
+
+    @classmethod
+    def parse(cls, reader: Reader) -> "Rate":
+        """`:RATE[,QUEUE]`."""
+        reader.example = "rate:2mbit or rate:2mbit,64kB"
+        reader.expect(":", "the rate")
+        rate = reader.rate("the rate")
+        return cls(rate, reader.size("the queue's size") if reader.take(",") else DEFAULT_QUEUE)
+
+    def text(self) -> str:
+        """Canonical word."""
+        units = (("gbit", 10**9), ("mbit", 10**6), ("kbit", 10**3), ("bit", 1))
+        unit, factor = next(pair for pair in units if self.bits_per_second % pair[1] == 0)
+        tail = "" if self.queue == DEFAULT_QUEUE else f",{self.queue}B"
+        return f"rate:{number_text(self.bits_per_second // factor)}{unit}{tail}"
+
+    def build(self, context: Context) -> Impairment:
+        """The queue."""
+        return _Rate(self.bits_per_second, self.queue)
+
+
+class _Rate:
+    def __init__(self, bits_per_second: int, queue: int) -> None:
+        self._rate = bits_per_second
+        self._queue = queue
+        self._free_ns = 0
+
+    def apply(self, transit: Transit) -> None:
+        if transit.cause:
+            return
+        start_ns = max(self._free_ns, transit.release_ns)
+        waiting = (start_ns - transit.release_ns) * self._rate // 8_000_000_000
+        if waiting + transit.size > self._queue and waiting > 0:
+            transit.cause = "queue"
+            return
+        self._free_ns = start_ns + transit.size * 8_000_000_000 // self._rate
+        transit.release_ns = self._free_ns

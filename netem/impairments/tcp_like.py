@@ -1,0 +1,70 @@
+"""`tcp-like[:TIMEOUT]`: lost messages come back after a retransmission time, and everything is in order.
+
+The losses and outages of the chain become retransmissions after TIMEOUT (200 ms unless said), doubling at
+each further loss of the same message; after 15 it is given up. All messages of the direction wait for those
+before them, which is TCP's head-of-line blocking. tc-netem has it by delaying real TCP packets.
+"""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from netem.impairments.base import Context, Impairment, LossModel, Stage, Transit, Word
+from netem.spec_reader import Reader, milliseconds_text
+
+DEFAULT_TIMEOUT_NS = 200_000_000
+MAX_RETRANSMISSIONS = 15
+LARGEST_TIMEOUT_NS = 120_000_000_000
+
+
+class TcpLike(Word, frozen=True):
+    """Retransmission and head-of-line blocking.
+
+    Attributes:
+        timeout_ns: before the first retransmission.
+    """
+
+    timeout_ns: int = DEFAULT_TIMEOUT_NS
+    kind: ClassVar[str] = "tcp-like"
+    stage: ClassVar[Stage] = Stage.TCP
+
+    @classmethod
+    def parse(cls, reader: Reader) -> "TcpLike":
+        """`[:TIMEOUT]`, ms."""
+        reader.example = "tcp-like or tcp-like:200"
+        if not reader.take(":"):
+            return cls()
+        start = reader.position
+        timeout_ns = reader.duration_ns("the retransmission timeout in ms")
+        if timeout_ns < 1_000_000:
+            reader.fail("the retransmission timeout must be at least 1 ms", start)
+        return cls(timeout_ns)
+
+    def text(self) -> str:
+        """Canonical word."""
+        tail = "" if self.timeout_ns == DEFAULT_TIMEOUT_NS else f":{milliseconds_text(self.timeout_ns)}"
+        return f"tcp-like{tail}"
+
+    def build(self, context: Context) -> Impairment:
+        """Without losses to repair there is nothing to send again."""
+        return self.around(())
+
+    def around(self, losses: Sequence[LossModel]) -> Impairment:
+        """What repairs the given losses."""
+        return _Retransmission(self.timeout_ns, losses)
+
+
+class _Retransmission:
+    def __init__(self, timeout_ns: int, losses: Sequence[LossModel]) -> None:
+        self._timeout_ns = timeout_ns
+        self._losses = losses
+
+    def apply(self, transit: Transit) -> None:
+        timeout_ns = self._timeout_ns
+        # All models are asked at every transmission, so that each draws the same number of times.
+        while True in [model.loses(transit, transit.release_ns) for model in self._losses]:
+            if transit.retransmissions == MAX_RETRANSMISSIONS:
+                transit.cause = transit.cause or "tcp-like"
+                return
+            transit.retransmissions += 1
+            transit.release_ns += timeout_ns
+            timeout_ns = min(2 * timeout_ns, LARGEST_TIMEOUT_NS)

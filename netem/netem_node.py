@@ -1,0 +1,271 @@
+"""Two emulated links, one each way, between an operator's and a robot's side.
+
+operator_link -> uplink chain -> release queue -> robot_link, and the same back. A message's fate is decided
+when it arrives; it is released when its time has come. Times in schedules count from the first message.
+"""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from common.errors import FarhandError
+from common.keys import kind_of
+from common.link import Link, Packet
+from netem.chain import Chain
+from netem.impairments.base import Transit
+from netem.release_queue import Limits, ReleaseQueue
+from netem.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
+from netem.spec import Spec
+from netem.statistics import FlowStatistics, Histogram
+
+DIRECTIONS = ("uplink", "downlink")
+RETRANSMISSION_NS = 200_000_000
+
+
+class ConservationError(FarhandError):
+    """Messages appeared or vanished: a fault of the emulator itself."""
+
+
+class MessageLog(Protocol):
+    """Takes the fate of every message."""
+
+    def record(self, direction: str, transit: Transit, released_ns: int | None) -> None:
+        """A message was released at `released_ns` (after its sending), or dropped (None)."""
+        ...
+
+
+class Schedule(Protocol):
+    """Changes the network at given times (see netem.timeline)."""
+
+    def start(self, origin_ns: int) -> None:
+        """Set the instant of the first message."""
+        ...
+
+    def run(self, node: "NetemNode", now_ns: int) -> int | None:
+        """Do what is due; returns when the next is."""
+        ...
+
+
+class Direction:
+    """One way: chain, queue, statistics.
+
+    Args:
+        name: "uplink" or "downlink".
+        source, target: the links.
+        chain: decides fates.
+        limits: of the queue.
+    """
+
+    def __init__(self, name: str, source: Link, target: Link, chain: Chain, limits: Limits) -> None:
+        self.name = name
+        self.source, self.target = source, target
+        self.chain = chain
+        self.initial = chain.spec
+        self.queue = ReleaseQueue(limits)
+        self.robots: dict[str, FlowStatistics] = {}
+
+    def of(self, robot: str) -> FlowStatistics:
+        """Statistics of one robot; the 257th and further share one."""
+        found = self.robots.get(robot)
+        if found is None:
+            if len(self.robots) >= MAX_ROBOTS and robot != "other":
+                return self.of("other")
+            found = self.robots[robot] = FlowStatistics()
+        return found
+
+    def total(self) -> FlowStatistics:
+        """All robots together."""
+        total = FlowStatistics()
+        for statistics in self.robots.values():
+            total.merge(statistics)
+        return total
+
+
+class NetemNode:
+    """The emulator, told the time.
+
+    Args:
+        operator_link, robot_link: the two sides.
+        uplink, downlink: what the network is like from the operator to the robot, and back.
+        seed: of all draws.
+        limits: bounds of each direction's memory.
+        log: takes the fate of every message.
+        schedule: changes the network while it runs.
+        instant: reads the time after a sending, so that the achieved delay holds the emulator's own
+            work; without it the time of the step is taken (exact in virtual time).
+
+    Raises:
+        InputError: a file that a Spec names cannot be read.
+    """
+
+    def __init__(
+        self,
+        operator_link: Link,
+        robot_link: Link,
+        uplink: Spec,
+        downlink: Spec,
+        seed: int,
+        limits: Limits | None = None,
+        log: MessageLog | None = None,
+        schedule: Schedule | None = None,
+        instant: Callable[[], int] | None = None,
+    ) -> None:
+        limits = limits or Limits()
+        up = Direction("uplink", operator_link, robot_link, Chain(uplink, seed, "uplink"), limits)
+        down = Direction("downlink", robot_link, operator_link, Chain(downlink, seed, "downlink"), limits)
+        self.directions = {"uplink": up, "downlink": down}
+        self.round_trips: dict[str, RoundTrips] = {}
+        self._both = (up, down)
+        self._log = log
+        self._schedule = schedule
+        self._instant = instant
+        self._started = False
+
+    def step(self, now_ns: int) -> int | None:
+        """Take in what has arrived, release what is due; returns the next release instant."""
+        next_ns = self._schedule.run(self, now_ns) if self._schedule is not None and self._started else None
+        for direction in self._both:
+            packets = direction.source.receive()
+            if packets and not self._started:
+                self._start(now_ns)
+            for packet in packets:
+                self._take(direction, packet, now_ns)
+        for direction in self._both:
+            while (transit := direction.queue.pop_due(now_ns)) is not None:
+                self._release(direction, transit, now_ns)
+            due_ns = direction.queue.next_ns()
+            if due_ns is not None and (next_ns is None or due_ns < next_ns):
+                next_ns = due_ns
+        return next_ns
+
+    def set_spec(self, direction: str, spec: Spec) -> None:
+        """Change what a direction is like from the next message on; raises InputError."""
+        self.directions[direction].chain.update(spec)
+
+    def start_outage(self, direction: str, length_ns: int, hold: bool, now_ns: int) -> None:
+        """No network in a direction from now on, for a time."""
+        self.directions[direction].chain.outage(now_ns, length_ns, hold)
+
+    def reset(self) -> None:
+        """Go back to the Specs of the start."""
+        for direction in self._both:
+            direction.chain.update(direction.initial)
+
+    def conserved(self) -> bool:
+        """Whether every message that came in is accounted for."""
+        queued_right = all(d.total().queued == len(d.queue) for d in self._both)
+        return queued_right and all(s.conserved() for d in self._both for s in d.robots.values())
+
+    def check_conservation(self) -> None:
+        """Raise ConservationError unless received + duplicated = delivered + dropped + queued, everywhere."""
+        if not self.conserved():
+            totals = {d.name: d.total().summary() for d in self._both}
+            raise ConservationError(f"netem cannot account for every message: {totals}")
+
+    def statistics(self) -> dict[str, object]:
+        """Everything counted and measured, as plain values for JSON; durations in s."""
+        result: dict[str, object] = {}
+        for direction in self._both:
+            summary: dict[str, object] = {"spec": str(direction.chain.spec)} | direction.total().summary()
+            summary["below_zero"] = direction.chain.below_zero()
+            summary["robots"] = {name: s.summary() for name, s in sorted(direction.robots.items())}
+            result[direction.name] = summary
+        rtt = Histogram()
+        for trips in self.round_trips.values():
+            rtt.merge(trips.rtt)
+        result["rtt"] = rtt.summary()
+        result["rtt_by_robot"] = {name: t.rtt.summary() for name, t in sorted(self.round_trips.items())}
+        result["bypassed"] = sum(trips.bypassed for trips in self.round_trips.values())
+        result["conserved"] = self.conserved()
+        return result
+
+    def _start(self, now_ns: int) -> None:
+        self._started = True
+        for direction in self._both:
+            direction.chain.start(now_ns)
+        if self._schedule is not None:
+            self._schedule.start(now_ns)
+            self._schedule.run(self, now_ns)
+
+    def _take(self, direction: Direction, packet: Packet, now_ns: int) -> None:
+        transits = direction.chain.offer(packet, now_ns)
+        first = transits[0]
+        statistics = direction.of(first.flow.robot)
+        statistics.received += 1
+        statistics.duplicated += len(transits) - 1
+        first.stamps = self._marks(direction.name, packet, first)
+        for transit in transits:
+            self._queue(direction, transit, statistics)
+
+    def _queue(self, direction: Direction, transit: Transit, statistics: FlowStatistics) -> None:
+        statistics.retransmitted += transit.retransmissions
+        if transit.cause:
+            if not getattr(transit.packet.envelope, "reliable", False):
+                self._drop(direction, transit, statistics)
+                return
+            transit.offer_again = True
+            transit.release_ns = max(transit.release_ns, transit.arrived_ns) + RETRANSMISSION_NS
+        if direction.queue.push(transit):
+            statistics.queued += 1
+        else:
+            transit.cause = "memory"
+            self._drop(direction, transit, statistics)
+
+    def _drop(self, direction: Direction, transit: Transit, statistics: FlowStatistics) -> None:
+        statistics.dropped[transit.cause] += 1
+        if self._log is not None:
+            self._log.record(direction.name, transit, None)
+
+    def _release(self, direction: Direction, transit: Transit, now_ns: int) -> None:
+        statistics = direction.of(transit.flow.robot)
+        statistics.queued -= 1
+        if transit.offer_again:
+            self._offer_again(direction, transit, statistics, now_ns)
+            return
+        packet = transit.packet
+        packet.arrived_ns = now_ns
+        direction.target.send(packet)
+        sent_ns = now_ns if self._instant is None else self._instant()
+        statistics.delivered += 1
+        achieved_ns = sent_ns - transit.arrived_ns
+        statistics.drawn.add(transit.delay_ns)
+        statistics.achieved.add(achieved_ns)
+        statistics.error.add(max(0, sent_ns - transit.release_ns))
+        if transit.corrupted:
+            statistics.corrupted += 1
+        flow = transit.flow
+        if transit.ordinal > flow.newest_released:
+            flow.newest_released = transit.ordinal
+        elif not transit.is_copy and transit.ordinal < flow.newest_released:
+            statistics.reordered += 1
+        if isinstance(transit.stamps, CommandMark):
+            transit.stamps.delivered = True
+        elif isinstance(transit.stamps, EchoMark) and not transit.corrupted:
+            self.round_trips[flow.robot].returned(transit.stamps, sent_ns)
+        if self._log is not None:
+            self._log.record(direction.name, transit, sent_ns)
+
+    def _offer_again(
+        self, direction: Direction, transit: Transit, statistics: FlowStatistics, now_ns: int
+    ) -> None:
+        """A message that must arrive was lost: the sender tries again, as it would over TCP."""
+        transit.packet.arrived_ns = now_ns
+        again = direction.chain.offer(transit.packet, now_ns)[0]
+        again.arrived_ns = transit.arrived_ns
+        again.retransmissions += 1
+        again.stamps = transit.stamps
+        self._queue(direction, again, statistics)
+
+    def _marks(self, direction: str, packet: Packet, transit: Transit) -> CommandMark | EchoMark | None:
+        """What the round-trip measurement keeps with a command or an answer to one."""
+        kind = kind_of(packet.key)
+        if kind not in ("command", "state", "scene"):
+            return None
+        robot = transit.flow.robot
+        trips = self.round_trips.get(robot)
+        if trips is None:
+            if len(self.round_trips) >= MAX_ROBOTS:
+                return None
+            trips = self.round_trips[robot] = RoundTrips()
+        if direction == "uplink":
+            return trips.command(packet.payload, transit.arrived_ns) if kind == "command" else None
+        return trips.echo(packet.payload)

@@ -1,0 +1,132 @@
+"""What the emulator did, in bounded memory: counters, and histograms of delays."""
+
+import math
+from collections import Counter
+
+_BINS_PER_E = 1 / math.log(1.01)
+_COUNTERS = ("received", "duplicated", "delivered", "queued", "corrupted", "reordered", "retransmitted")
+
+
+class Histogram:
+    """Durations in bins 1% wide; mean, deviation and maximum are exact."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.max_ns = 0
+        self._mean = 0.0
+        self._squares = 0.0
+        self._bins: dict[int, int] = {}
+
+    def add(self, duration_ns: int) -> None:
+        """Record one duration >= 0."""
+        self.count += 1
+        difference = duration_ns - self._mean
+        self._mean += difference / self.count
+        self._squares += difference * (duration_ns - self._mean)
+        if duration_ns > self.max_ns:
+            self.max_ns = duration_ns
+        index = int(math.log(duration_ns) * _BINS_PER_E) if duration_ns > 0 else -1
+        self._bins[index] = self._bins.get(index, 0) + 1
+
+    def merge(self, other: "Histogram") -> None:
+        """Add all of another histogram."""
+        if not other.count:
+            return
+        total = self.count + other.count
+        difference = other._mean - self._mean
+        self._squares += other._squares + difference * difference * self.count * other.count / total
+        self._mean += difference * other.count / total
+        self.count = total
+        self.max_ns = max(self.max_ns, other.max_ns)
+        for index, n in other._bins.items():
+            self._bins[index] = self._bins.get(index, 0) + n
+
+    @property
+    def mean(self) -> float:
+        """Mean (s)."""
+        return self._mean * 1e-9
+
+    @property
+    def std(self) -> float:
+        """Standard deviation (s)."""
+        return math.sqrt(max(0.0, self._squares) / self.count) * 1e-9 if self.count else 0.0
+
+    def quantile(self, fraction: float) -> float:
+        """The value (s) below which a fraction lies, to 1%; 0 for an empty histogram."""
+        below, wanted = 0, fraction * self.count
+        for index in sorted(self._bins):
+            below += self._bins[index]
+            if below >= wanted:
+                middle = 0.0 if index < 0 else math.exp((index + 0.5) / _BINS_PER_E)
+                return min(middle, float(self.max_ns)) * 1e-9
+        return 0.0
+
+    def summary(self) -> dict[str, float]:
+        """count, and in s: mean, std, p50, p99, max."""
+        return {
+            "count": self.count,
+            "mean": self.mean,
+            "std": self.std,
+            "p50": self.quantile(0.5),
+            "p99": self.quantile(0.99),
+            "max": self.max_ns * 1e-9,
+        }
+
+
+class FlowStatistics:
+    """Counters of one robot's messages in one direction.
+
+    Attributes:
+        received: messages that came in.
+        duplicated: copies made.
+        delivered: messages and copies that left.
+        queued: that wait.
+        dropped: by cause: loss, outage, queue (of the rate), trace, tcp-like, memory.
+        corrupted: delivered with a flipped bit.
+        reordered: delivered after one that came later.
+        retransmitted: times a message was sent again, by `tcp-like` or because it must not be lost.
+        drawn: what the delay model drew for the delivered.
+        achieved: from arrival to the end of the sending.
+        error: achieved minus what the whole chain had assigned.
+    """
+
+    def __init__(self) -> None:
+        self.received = 0
+        self.duplicated = 0
+        self.delivered = 0
+        self.queued = 0
+        self.dropped: Counter[str] = Counter()
+        self.corrupted = 0
+        self.reordered = 0
+        self.retransmitted = 0
+        self.drawn = Histogram()
+        self.achieved = Histogram()
+        self.error = Histogram()
+
+    def merge(self, other: "FlowStatistics") -> None:
+        """Add all of another's."""
+        for name in _COUNTERS:
+            setattr(self, name, getattr(self, name) + getattr(other, name))
+        self.dropped.update(other.dropped)
+        for name in ("drawn", "achieved", "error"):
+            getattr(self, name).merge(getattr(other, name))
+
+    def conserved(self) -> bool:
+        """Whether received + duplicated = delivered + dropped + queued."""
+        return self.received + self.duplicated == self.delivered + sum(self.dropped.values()) + self.queued
+
+    def summary(self) -> dict[str, object]:
+        """As plain values for JSON; durations in s."""
+        return {
+            "received": self.received,
+            "duplicated": self.duplicated,
+            "delivered": self.delivered,
+            "queued": self.queued,
+            "dropped": dict(sorted(self.dropped.items())),
+            "corrupted": self.corrupted,
+            "reordered": self.reordered,
+            "retransmitted": self.retransmitted,
+            "drawn": self.drawn.summary(),
+            "achieved": self.achieved.summary(),
+            "error": self.error.summary(),
+        }
