@@ -29,7 +29,8 @@ DT, Q, R, P, S, P_OMEGA, DECAY, RHO, PRICE, PRICE_MAX, CURVATURE = range(11)
 PARAMETERS = 11
 BAND = 7  # x_i meets its neighbours' three axes, and its second neighbour on the same axis only
 
-ROW_TOLERANCE = 1e-5  # m^2, of a barrier row
+ROW_TOLERANCE = 1e-5  # m^2, by which a barrier row may be missed
+ROW_AIM = 1e-7  # m^2, sought within the iteration cap: where h is near 0 the cost feels every bit of it
 GRADIENT_TOLERANCE = 2e-4  # m/s, of the projected gradient
 STEP_TOLERANCE = 1e-4  # m/s, of a Newton step, before the multipliers move on
 MAGNITUDE = 1e6  # an input beyond this is refused: sums of squares must stay exact enough to mean something
@@ -392,7 +393,10 @@ def descend(position, desired, obstacles, kept, count, plan, multipliers, limit,
                 multipliers[kept[q], i] = updated[q, i]
         if mismatch < ROW_TOLERANCE and residual < GRADIENT_TOLERANCE:
             status = OPTIMAL
-            break
+            if mismatch < ROW_AIM:
+                break
+        else:
+            status = CAPPED
     cost, violation = true_cost(plan, path, desired, obstacles, kept, count, par)
     if violation > ROW_TOLERANCE and status == OPTIMAL:
         status = ELASTIC

@@ -1,0 +1,137 @@
+"""The compiled solver against Ipopt on the full problem, instance by instance, each difference explained.
+
+`python -m benchmarks.solver_oracle [--number 2000] [--json FILE]` prints a table of classes for random
+instances and for ticks of closed loops.
+"""
+
+import argparse
+import json
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import casadi
+import numpy as np
+
+from benchmarks.solver_instances import SETTINGS, closed_loop, random_problems
+from operator_side.control import rows
+from operator_side.control.controller import ControlProblem, ControlSolution, Status
+from operator_side.control.problem import parameter_values, state_problem
+from operator_side.control.registry import make_controller
+from operator_side.control.tracking import tracking_cost
+
+COST_AGREES = 1e-3  # relative
+VELOCITY_AGREES = 5e-3  # m/s
+CLASSES = (
+    "agree",
+    "another local optimum, cheaper",
+    "another local optimum, dearer",
+    "newton capped",
+    "newton elastic",
+    "infeasible, both",
+    "infeasible, newton only",
+    "ipopt did not converge",
+    "wrong",
+)
+
+
+@dataclass(frozen=True)
+class OracleAnswer:
+    """Ipopt's plan (N, 3), its cost with the best omega, and whether it converged."""
+
+    plan: Any
+    cost: float
+    converged: bool
+
+
+class Oracle:
+    """Ipopt on the full problem, from any start."""
+
+    def __init__(self) -> None:
+        self._programs: dict[int, Any] = {}
+
+    def solve(self, problem: ControlProblem, start: Any) -> OracleAnswer:
+        """From the (N, 3) plan `start`."""
+        count = len(problem.radii)
+        n = SETTINGS.horizon
+        if count not in self._programs:
+            symbolic = state_problem(SETTINGS, count, condensed=False)
+            quiet = {"ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.max_wall_time": 4.0, "print_time": False}
+            self._programs[count] = symbolic, casadi.nlpsol("oracle", "ipopt", symbolic.nlp, quiet)
+        symbolic, solver = self._programs[count]
+        full = np.vstack([start, start[-1:]])
+        path = rows.path(problem, start, SETTINGS.period)[1:]
+        answer = solver(
+            x0=np.concatenate([full.ravel(), path.ravel(), np.ones(n * count)]),
+            p=parameter_values(problem, count),
+            lbx=symbolic.lower,
+            ubx=symbolic.upper,
+            lbg=symbolic.constraints_lower,
+            ubg=symbolic.constraints_upper,
+        )
+        full = np.array(answer["x"]).ravel()[: symbolic.velocities].reshape(-1, 3)
+        plan = full[:-1]
+        cost = tracking_cost(full, problem.desired, SETTINGS) + rows.relaxation_cost(problem, plan, SETTINGS)
+        return OracleAnswer(plan, cost, bool(solver.stats()["success"]))
+
+
+def classify(oracle: Oracle, problem: ControlProblem, solution: ControlSolution) -> str:
+    """One of CLASSES."""
+    violation, _ = rows.worst_violation(problem, solution.plan, SETTINGS)
+    if solution.status.good and violation > 2 * rows.ROW_TOLERANCE:
+        return "wrong"
+    limit = np.array(SETTINGS.speed_limit)
+    straight = np.tile(np.clip(problem.desired, -limit, limit), (SETTINGS.horizon, 1))
+    answer = oracle.solve(problem, straight)
+    if solution.status is Status.INFEASIBLE:
+        return "infeasible, newton only" if answer.converged else "infeasible, both"
+    if answer.converged and _agree(solution, answer):
+        return "agree"
+    if solution.status is Status.CAPPED:
+        return "newton capped"
+    if solution.status is Status.ELASTIC:
+        return "newton elastic"
+    # does Ipopt stay where the compiled solver ended?
+    stayed = oracle.solve(problem, solution.plan)
+    if stayed.converged and _agree(solution, stayed):
+        if not answer.converged:
+            return "ipopt did not converge"
+        cheaper = solution.cost < answer.cost
+        return "another local optimum, cheaper" if cheaper else "another local optimum, dearer"
+    return "wrong" if stayed.converged else "ipopt did not converge"
+
+
+def _agree(solution: ControlSolution, answer: OracleAnswer) -> bool:
+    cost = abs(solution.cost - answer.cost) <= COST_AGREES * max(abs(answer.cost), 1e-3)
+    return cost and float(np.abs(solution.plan[0] - answer.plan[0]).max()) <= VELOCITY_AGREES
+
+
+def run(number: int = 2000) -> dict[str, dict[str, int]]:
+    """Class counts for the random and for the closed-loop instances."""
+    oracle = Oracle()
+    random_classes: Counter[str] = Counter()
+    for problem in random_problems(number):
+        random_classes[classify(oracle, problem, make_controller(SETTINGS).solve(problem))] += 1
+    loop_classes: Counter[str] = Counter()
+    for problem, solution in closed_loop(number):
+        loop_classes[classify(oracle, problem, solution)] += 1
+    return {"random": dict(random_classes), "closed loop": dict(loop_classes)}
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description="the compiled solver against Ipopt")
+    parser.add_argument("--number", type=int, default=2000, help="instances of each kind")
+    parser.add_argument("--json", type=Path, help="write the counts to this file as well")
+    arguments = parser.parse_args()
+    result = run(arguments.number)
+    print(f"{'class':34}" + "".join(f"{kind:>14}" for kind in result))
+    for name in CLASSES:
+        print(f"{name:34}" + "".join(f"{counts.get(name, 0):>14}" for counts in result.values()))
+    if arguments.json:
+        arguments.json.write_text(json.dumps(result, indent=2))
+
+
+if __name__ == "__main__":
+    main()
