@@ -44,7 +44,8 @@ def random_problems(number: int, seed: int = 1) -> Iterator[ControlProblem]:
 def closed_loop(
     number: int, seed: int = 1, counts: tuple[int, ...] = COUNTS, settings: ControllerSettings = SETTINGS
 ) -> Iterator[tuple[ControlProblem, ControlSolution]]:
-    """Ticks of drives through random fields towards random targets, with the compiled solver's answer to each.
+    """Ticks of drives through random fields towards random targets, with the compiled solver's answer to
+    each.
 
     A drive starts outside every obstacle and ends at its target or after 150 ticks.
     """

@@ -13,7 +13,7 @@ from operator_side.control.nlp_controller import Indices, NlpController
 from operator_side.control.problem import SymbolicProblem, state_problem
 from operator_side.control.tracking import tracking_cost, unconstrained_gains
 
-SLOTS = (4, 10, 24)
+SLOTS = (1, 2, 4, 8, 16, 24)
 ITERATIONS = 12  # past this a start has never been seen to converge in time for the next tick
 
 
