@@ -4,6 +4,7 @@ operator_link -> uplink chain -> release queue -> robot_link, and the same back.
 when it arrives; it is released when its time has come. Times in schedules count from the first message.
 """
 
+from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
@@ -119,14 +120,28 @@ class NetemNode:
         self._schedule = schedule
         self._instant = instant
         self._started = False
+        self._notes: deque[str] = deque(maxlen=100)
+
+    def note(self, line: str) -> None:
+        """Keep a line for whoever runs the node."""
+        self._notes.append(line)
+
+    def take_notes(self) -> list[str]:
+        """The lines noted since the last call."""
+        if not self._notes:
+            return []
+        notes = list(self._notes)
+        self._notes.clear()
+        return notes
 
     def step(self, now_ns: int) -> int | None:
         """Take in what has arrived, release what is due; returns the next release instant."""
+        arrived = [direction.source.receive() for direction in self._both]
+        if not self._started and any(arrived):
+            firsts = [packets[0].arrived_ns or now_ns for packets in arrived if packets]
+            self._start(min(now_ns, *firsts))
         next_ns = self._schedule.run(self, now_ns) if self._schedule is not None and self._started else None
-        for direction in self._both:
-            packets = direction.source.receive()
-            if packets and not self._started:
-                self._start(now_ns)
+        for direction, packets in zip(self._both, arrived, strict=True):
             for packet in packets:
                 self._take(direction, packet, now_ns)
         for direction in self._both:
@@ -178,13 +193,12 @@ class NetemNode:
         result["conserved"] = self.conserved()
         return result
 
-    def _start(self, now_ns: int) -> None:
+    def _start(self, origin_ns: int) -> None:
         self._started = True
         for direction in self._both:
-            direction.chain.start(now_ns)
+            direction.chain.start(origin_ns)
         if self._schedule is not None:
-            self._schedule.start(now_ns)
-            self._schedule.run(self, now_ns)
+            self._schedule.start(origin_ns)
 
     def _take(self, direction: Direction, packet: Packet, now_ns: int) -> None:
         transits = direction.chain.offer(packet, now_ns)

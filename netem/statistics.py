@@ -38,7 +38,7 @@ class Histogram:
         self._mean += difference * other.count / total
         self.count = total
         self.max_ns = max(self.max_ns, other.max_ns)
-        for index, n in other._bins.items():
+        for index, n in dict(other._bins).items():
             self._bins[index] = self._bins.get(index, 0) + n
 
     @property
@@ -54,8 +54,8 @@ class Histogram:
     def quantile(self, fraction: float) -> float:
         """The value (s) below which a fraction lies, to 1%; 0 for an empty histogram."""
         below, wanted = 0, fraction * self.count
-        for index in sorted(self._bins):
-            below += self._bins[index]
+        for index, n in sorted(self._bins.items()):
+            below += n
             if below >= wanted:
                 middle = 0.0 if index < 0 else math.exp((index + 0.5) / _BINS_PER_E)
                 return min(middle, float(self.max_ns)) * 1e-9

@@ -1,0 +1,77 @@
+"""A change of the network while it runs: the same for live control and for timelines."""
+
+import math
+from typing import Literal
+
+import msgspec
+
+from common.clock import to_ns
+from common.errors import InputError
+from netem.netem_node import DIRECTIONS, NetemNode
+from netem.spec import CLASSES, KINDS, Spec, parse_spec
+
+Do = Literal["set", "add", "remove", "outage", "reset"]
+MAX_OUTAGE = 1e6
+
+
+class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One change.
+
+    Attributes:
+        do: set (the whole SPEC), add (words, in place of those of the same kind), remove (a kind of
+            word, or a class), outage (from now on), reset (to the SPECs of the start).
+        direction: "uplink", "downlink" or "both".
+        spec: for set and add.
+        name: for remove: a kind of word, such as loss, or a class of messages.
+        length: of the outage (s).
+        hold: whether the outage keeps messages until its end, instead of dropping them.
+    """
+
+    do: Do
+    direction: Literal["both", "uplink", "downlink"] = "both"
+    spec: str = ""
+    name: str = ""
+    length: float = 0.0
+    hold: bool = False
+
+    def check(self) -> None:
+        """Raise InputError unless the action makes sense by itself; opens the files that it names."""
+        if self.do in ("set", "add"):
+            parse_spec(self.spec).prepare()
+        elif self.spec:
+            raise InputError(f"{self.do}: takes no spec")
+        if self.do == "remove" and self.name not in (*KINDS, *CLASSES):
+            raise InputError(
+                f"remove: no such thing as {self.name!r}; one of {', '.join((*KINDS, *CLASSES))}"
+            )
+        if self.do == "outage" and not (math.isfinite(self.length) and 0 < self.length <= MAX_OUTAGE):
+            raise InputError(
+                f"outage: the length is {self.length} s; it must be above 0, at most {MAX_OUTAGE:g}"
+            )
+
+    def perform(self, node: NetemNode, now_ns: int) -> None:
+        """Change the network; raises InputError and then has changed nothing."""
+        self.check()
+        names = DIRECTIONS if self.direction == "both" else (self.direction,)
+        if self.do == "reset":
+            node.reset()
+        elif self.do == "outage":
+            for name in names:
+                node.start_outage(name, to_ns(self.length), self.hold, now_ns)
+        else:
+            specs = {name: self._changed(node.directions[name].chain.spec, name) for name in names}
+            for name, spec in specs.items():
+                node.set_spec(name, spec)
+
+    def _changed(self, spec: Spec, direction: str) -> Spec:
+        if self.do == "set":
+            return parse_spec(self.spec)
+        if self.do == "add":
+            return spec.with_words(parse_spec(self.spec))
+        found = spec.without(self.name)
+        if found is None:
+            raise InputError(f"remove: the {direction} has no {self.name!r}; it is {spec}")
+        return found
+
+
+ACTION_KINDS: tuple[str, ...] = ("set", "add", "remove", "outage", "reset")

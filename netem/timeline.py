@@ -1,0 +1,121 @@
+"""A script of changes, in real or virtual time, from TOML:
+
+[[at]]
+time = 5.0             # s since the first message
+do = "set"             # set | add | remove | outage | reset, see netem.action
+direction = "uplink"   # or "downlink"; without it both
+spec = "gaussian:80,20 loss:1%"
+
+[[at]]
+time = 12.0
+do = "outage"
+length = 2.0           # s
+"""
+
+import sys
+from pathlib import Path
+
+import msgspec
+
+from common.clock import to_ns
+from common.errors import InputError
+from netem.action import Action
+from netem.netem_node import NetemNode
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+MAX_TIME = 1e6
+
+
+class Step(Action, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """An action at a time.
+
+    Attributes:
+        time: since the first message (s).
+    """
+
+    time: float
+
+
+class _File(msgspec.Struct, forbid_unknown_fields=True):
+    at: list[Step]
+
+
+class Timeline:
+    """Performs its steps when they are due.
+
+    Args:
+        steps: in order of time.
+    """
+
+    def __init__(self, steps: list[Step]) -> None:
+        self._steps = list(steps)
+        self._origin_ns: int | None = None
+        self._next = 0
+
+    def start(self, origin_ns: int) -> None:
+        """Set the instant that times count from."""
+        self._origin_ns = origin_ns
+
+    def due(self, now_ns: int) -> list[Step]:
+        """The steps whose time has come, each once, in order."""
+        found: list[Step] = []
+        while (next_ns := self.next_ns()) is not None and next_ns <= now_ns:
+            found.append(self._steps[self._next])
+            self._next += 1
+        return found
+
+    def next_ns(self) -> int | None:
+        """When the next step is due; None before the start and after the last."""
+        if self._origin_ns is None or self._next >= len(self._steps):
+            return None
+        return self._origin_ns + to_ns(self._steps[self._next].time)
+
+    def run(self, node: NetemNode, now_ns: int) -> int | None:
+        """Perform what is due; returns when the next step is."""
+        for step in self.due(now_ns):
+            try:
+                step.perform(node, now_ns)
+            except InputError as error:
+                # Whether there is something to remove is known only now; the run goes on without it.
+                node.note(f"timeline at {step.time:g} s: {error}")
+        return self.next_ns()
+
+
+def load_timeline(path: str | Path) -> Timeline:
+    """The timeline in a TOML file; raises InputError with the step and what is wrong with it."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise InputError(f"timeline {path}: cannot be read: {error}") from None
+    return parse_timeline(text, str(path))
+
+
+def parse_timeline(text: str, where: str) -> Timeline:
+    """The timeline in a TOML text; `where` names the source in errors."""
+    try:
+        file = msgspec.convert(tomllib.loads(text), _File)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"timeline {where}: not valid TOML: {error}") from None
+    except msgspec.ValidationError as error:
+        raise InputError(f"timeline {where}: {error}") from None
+    last = 0.0
+    for number, step in enumerate(file.at, start=1):
+        if not 0 <= step.time <= MAX_TIME:
+            raise InputError(
+                f"timeline {where}: step {number}: time {step.time} s lies outside 0 to {MAX_TIME:g}"
+            )
+        if step.time < last:
+            raise InputError(
+                f"timeline {where}: step {number}: time {step.time} s comes before that of the step "
+                f"above it, {last} s"
+            )
+        last = step.time
+        try:
+            step.check()
+        except InputError as error:
+            raise InputError(f"timeline {where}: step {number}: {error}") from None
+    return Timeline(file.at)
