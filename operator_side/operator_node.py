@@ -1,0 +1,224 @@
+"""The operator's side, once a tick:
+
+link -> perception (newest state, scene) -> round trip, innovations
+     -> steering device (desired velocity) -> supervision (mode)
+     -> state predictor (where the robot will be) -> margin -> safety filter (MPC-CBF)
+     -> velocity command with its plan -> link,  and a report of it all.
+"""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from common.clock import to_ns
+from common.codec import encode
+from common.executor import Periodic
+from common.geometry import norm, to_vector3
+from common.keys import command_key
+from common.link import Link, Packet
+from common.messages import CommandMode, ControlReport, RobotState, Scene, Vector3, VelocityCommand
+from common.scenario import Scenario
+from operator_side.command_history import ZERO, CommandHistory
+from operator_side.control.controller import Controller
+from operator_side.filtering import Filtered, SafetyFilter
+from operator_side.margin import Margin, MarginInput, make_margin
+from operator_side.perception import Perception
+from operator_side.reporting import ReportWriter
+from operator_side.round_trip import RoundTrip
+from operator_side.state_predictor import Innovations, Prediction, make_predictor
+from operator_side.steering.device import SteeringDevice, SteeringInput
+from operator_side.supervision import decide
+
+STALE_STATE = "no news from the robot: resynchronising"
+
+
+class Recorder(Protocol):
+    """Takes what reached the node and what it decided, tick by tick."""
+
+    def tick(self, now_ns: int, packets: list[Packet], command: bytes | None, report: ControlReport) -> None:
+        """One tick; must not block."""
+        ...
+
+
+class OperatorNode:
+    """See the module's docstring.
+
+    Args:
+        scenario: settings; obstacles and targets come over the wire instead.
+        controller: the safety filter, prepared.
+        device: what steers.
+        link: to the robot.
+        name: the robot's name.
+        session: this process's session.
+        stopwatch: reads seconds, to report how long a solve took; None reports 0 (virtual time).
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        controller: Controller,
+        device: SteeringDevice,
+        link: Link,
+        name: str,
+        session: int,
+        stopwatch: Callable[[], float] | None = None,
+    ) -> None:
+        self.scenario, self.device, self.session = scenario, device, session
+        self.report: ControlReport | None = None
+        self.recorder: Recorder | None = None
+        self._link, self._key = link, command_key(name)
+        self._stopwatch = stopwatch
+        self._ticks = Periodic(to_ns(scenario.controller.period))
+        self._period = scenario.controller.period
+        self._perception = Perception(name)
+        self.round_trip = RoundTrip(session, scenario.margin.rtt_window)
+        self._history = CommandHistory()
+        lag = scenario.robot.lag
+        self._innovations = Innovations(self._history, session, lag, scenario.margin.innovation_window)
+        self._predictor = make_predictor(scenario.predictor, self._history, session, self._period, lag)
+        self._margin = make_margin(scenario.margin, scenario.controller)
+        self._adaptive = scenario.margin.kind == "adaptive"
+        self._filter = SafetyFilter(scenario, controller)
+        self._writer = ReportWriter(session, self._perception, self.round_trip)
+        self._seq = -1
+        self._resynchronising = False
+        self._controlling_since_ns: int | None = None
+
+    @property
+    def finished(self) -> bool:
+        """Whether the device has nothing left to do."""
+        return self.device.finished
+
+    @property
+    def driving_since_ns(self) -> int | None:
+        """Instant of the first `run` command; None before it."""
+        return self._controlling_since_ns
+
+    def step(self, now_ns: int) -> int:
+        """One tick if it is due; returns the instant of the next."""
+        periods = self._ticks.due(now_ns)
+        if periods:
+            # Missed ticks use up sequence numbers: seq counts periods, which the timeline relies on.
+            self._seq += periods
+            self._tick(now_ns)
+        assert self._ticks.next_ns is not None
+        return self._ticks.next_ns
+
+    def release(self, now_ns: int) -> None:
+        """Give control up; the last command of a session."""
+        self._seq += 1
+        self._send(now_ns, "release", ZERO, (), ZERO)
+
+    def _tick(self, now_ns: int) -> None:
+        packets = self._link.receive()
+        for packet in packets:
+            self._take(packet)
+        state, scene = self._perception.state, self._perception.scene
+        steering = None
+        if state is not None and scene is not None:
+            steering = self.device.read(state, scene, now_ns)
+        decision = decide(state, scene, steering, self.session)
+        mode, reason = decision.mode, decision.reason
+        prediction, margin, filtered, solve_time = Prediction(ZERO), Margin(), None, 0.0
+        if state is not None and scene is not None and steering is not None:
+            prediction, margin = self._look_ahead(state, now_ns)
+            if mode == "run":
+                started = self._stopwatch() if self._stopwatch else 0.0
+                filtered, why = self._decide_plan(steering, prediction, margin, state, scene, now_ns)
+                solve_time = self._stopwatch() - started if self._stopwatch else 0.0
+                reason = why or reason
+                if self._controlling_since_ns is None:
+                    self._controlling_since_ns = now_ns
+        desired = steering.velocity if steering is not None else ZERO
+        velocities = self._velocities(filtered)
+        payload = None
+        if mode is not None:
+            self._history.add(self._seq, now_ns, self._period, velocities, prediction.start)
+            self.round_trip.sent(self._seq, now_ns)
+            payload = self._send(now_ns, mode, velocities[0], velocities[1:], desired)
+        self.report = self._writer.write(
+            now_ns,
+            seq=self._seq,
+            mode=mode or "hold",
+            reason=reason,
+            desired=desired,
+            velocity=velocities[0],
+            prediction=prediction,
+            prediction_error=self._innovations.newest,
+            margin=margin,
+            filtered=filtered,
+            solve_time=solve_time,
+            progress=self.device.progress,
+            overruns=self._ticks.overruns,
+        )
+        if self.recorder is not None:
+            self.recorder.tick(now_ns, packets, payload, self.report)
+
+    def _take(self, packet: Packet) -> None:
+        state = self._perception.take(packet)
+        if state is not None:
+            self.round_trip.received(state, packet.arrived_ns)
+            if state is self._perception.state:
+                self._innovations.observe(state)
+
+    def _look_ahead(self, state: RobotState, now_ns: int) -> tuple[Prediction, Margin]:
+        prediction = self._predictor.predict(state, self._seq, now_ns, self.round_trip.mean)
+        margin = self._margin.evaluate(
+            MarginInput(
+                speed=norm(state.velocity),
+                rtt_mean=self.round_trip.mean,
+                rtt_std=self.round_trip.std,
+                innovation=self._innovations.largest,
+                spread=prediction.spread,
+            )
+        )
+        return prediction, margin
+
+    def _decide_plan(
+        self,
+        steering: SteeringInput,
+        prediction: Prediction,
+        margin: Margin,
+        state: RobotState,
+        scene: Scene,
+        now_ns: int,
+    ) -> tuple[Filtered | None, str]:
+        """The filtered plan, or None and why the robot shall stand."""
+        if self._adaptive and self.round_trip.age(now_ns) > self.scenario.operator.resync_after:
+            # Rule 3: after silence nothing is known of what the robot did; stand until it answers.
+            self._filter.stand_still()
+            return None, STALE_STATE
+        filtered = self._filter.filter(steering.velocity, prediction, margin, state, scene)
+        return filtered, filtered.reason
+
+    def _velocities(self, filtered: Filtered | None) -> tuple[Vector3, ...]:
+        """The velocity and what follows: the controller's plan, or a held velocity where the law has none."""
+        n = self.scenario.controller.horizon
+        if filtered is None:
+            return (ZERO,) * n
+        if self.scenario.predictor in ("echo", "timeline"):
+            return tuple((float(v[0]), float(v[1]), float(v[2])) for v in filtered.plan.tolist())
+        return (to_vector3(filtered.plan[0]),) * n
+
+    def _send(
+        self,
+        now_ns: int,
+        mode: CommandMode,
+        velocity: Vector3,
+        plan: tuple[Vector3, ...],
+        desired: Vector3,
+    ) -> bytes:
+        command = VelocityCommand(
+            source="operator",
+            session=self.session,
+            seq=self._seq,
+            t_sent_ns=now_ns,
+            echo=self._perception.newest_state.echo(now_ns),
+            mode=mode,
+            velocity=velocity,
+            plan=plan,
+            plan_period_ns=self._ticks.period_ns,
+            desired=desired,
+        )
+        payload = encode(command)
+        self._link.send(Packet(self._key, payload))
+        return payload
