@@ -23,7 +23,7 @@ SETTINGS = ControllerSettings()
 ROOT = Path(__file__).resolve().parents[2]
 ALL = [
     pytest.param(
-        structs.replace(SETTINGS, kind=kind, solver=solver, wall_time_limit=1.0), id=f"{kind}-{solver}"
+        structs.replace(SETTINGS, kind=kind, solver=solver, wall_time_limit=0.3), id=f"{kind}-{solver}"
     )
     for kind, solver in [
         ("mpc-cbf", "newton"),
