@@ -226,9 +226,8 @@ def _without_gaps(
     paused = intervals > longest
     intervals = np.where(paused, step, intervals)
     times = np.concatenate([[0.0], np.cumsum(intervals)])
-    missing = np.where(
-        intervals > GAP_FACTOR * step, np.floor(intervals / step + 2 - GAP_FACTOR).astype(np.int64) - 1, 0
-    )
+    missed = np.floor(intervals / step + 2 - GAP_FACTOR).astype(np.int64) - 1
+    missing = np.where(intervals > GAP_FACTOR * step, missed, 0)
     if gap == "ignore" or not missing.any():
         return recorded, times
     if len(recorded) + missing.sum() > MAX_SAMPLES:

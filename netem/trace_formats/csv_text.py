@@ -9,8 +9,8 @@
     0.020,lost
 
 `time` is in s unless its name says otherwise (`time(ms)`, `time_ms`); `delay` is in the header's unit.
-A delay that is empty, `lost` or `nan` is a lost message. Other CSV files are read with a `column` and a `unit`
-(the column's name may hold it: `rtt(ms)`, `rtt_ms`).
+A delay that is empty, `lost` or `nan` is a lost message. Other CSV files are read with a `column` and
+a `unit` (the column's name may hold it: `rtt(ms)`, `rtt_ms`).
 """
 
 import csv
