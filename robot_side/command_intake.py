@@ -1,0 +1,54 @@
+"""From packets to judged commands: the edge where malformed bytes and floods end."""
+
+from collections import Counter
+from collections.abc import Sequence
+
+from common.codec import Decoder
+from common.echo import Newest
+from common.keys import command_key
+from common.link import Packet
+from common.messages import VelocityCommand
+from robot_side.watchdog import Watchdog
+
+DECODES_PER_TICK = 256
+
+
+class CommandIntake:
+    """Decodes what arrives under the robot's command key and hands it to the watchdog.
+
+    Args:
+        name: the robot's name, part of the key.
+        watchdog: judges the commands.
+
+    Attributes:
+        newest: the newest command of the session in control, for the echo.
+        received: commands that could be decoded.
+    """
+
+    def __init__(self, name: str, watchdog: Watchdog) -> None:
+        self._key = command_key(name)
+        self._watchdog = watchdog
+        self._decoder = Decoder(VelocityCommand)
+        self._flood: Counter[str] = Counter()
+        self.newest = Newest()
+        self.received = 0
+
+    def take(self, packets: Sequence[Packet], now_ns: int) -> None:
+        """Judge what has arrived, in order; of a flood only the newest are looked at, the rest counted."""
+        commands = [packet for packet in packets if packet.key == self._key]
+        excess = len(commands) - DECODES_PER_TICK
+        if excess > 0:
+            self._flood["flood"] += excess
+            commands = commands[excess:]
+        for packet in commands:
+            command = self._decoder.decode(packet.payload)
+            if command is None:
+                continue
+            self.received += 1
+            self._watchdog.receive(command, now_ns)
+            if self._watchdog.in_control(command):
+                self.newest.accept(command, min(packet.arrived_ns or now_ns, now_ns))
+
+    def refused(self) -> dict[str, int]:
+        """Commands refused so far, by reason, those of the watchdog among them."""
+        return dict(self._decoder.refused + self._watchdog.refused + self._flood)

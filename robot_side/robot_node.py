@@ -1,0 +1,213 @@
+"""The robot's program as one node.
+
+Data flow of a tick at `now_ns`:
+
+    link -> command intake (decode, count) -> watchdog (lease, age, order, timeouts, plan play-out)
+         -> robot (velocity control, physics) over [now, now + dt]
+    link <- RobotState at the state rate, Scene once a second and on change
+
+The sample in a RobotState is the state at `now_ns`, before that tick's step.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from common.codec import encode
+from common.executor import Periodic
+from common.keys import scene_key, state_key
+from common.link import Link, Packet
+from common.messages import Obstacle, RobotState, Scene
+from common.scenario import Scenario
+from robot_side.command_intake import CommandIntake
+from robot_side.obstacles import NOTHING_NEAR, ObstacleField
+from robot_side.plan import ZERO
+from robot_side.robot import Robot, RobotSample
+from robot_side.run_statistics import RunStatistics
+from robot_side.watchdog import Watchdog
+
+SECOND_NS = 1_000_000_000
+CATCH_UP_NS = 100_000_000  # physics makes good for at most this much lost time a tick
+
+
+class RobotNode:
+    """A robot behind a link. `step` never raises: any failure inside it stops the robot.
+
+    Args:
+        scenario: settings, obstacles, targets.
+        robot: what moves.
+        link: the robot's end of the network.
+        name: part of the keys.
+        session: random, not 0, new at each start of the process.
+    """
+
+    def __init__(self, scenario: Scenario, robot: Robot, link: Link, name: str, session: int) -> None:
+        settings = scenario.robot
+        self._targets = scenario.targets
+        self._obstacles = scenario.obstacles
+        self._radius = settings.radius
+        self._robot = robot
+        self._link = link
+        self._name = name
+        self._session = session
+        self._period_ns = round(SECOND_NS / settings.rate_hz)
+        self._dt = 1.0 / settings.rate_hz
+        self._ticks = Periodic(self._period_ns)
+        state_period_ns = max(self._period_ns, round(SECOND_NS / settings.state_rate_hz))
+        self._state_due = Periodic(state_period_ns)
+        self._scene_due = Periodic(SECOND_NS)
+        self._scene_changed = False
+        self._shown_holder = 0
+        self._state_seq = 0
+        self._scene_seq = 0
+        self._field: ObstacleField | None = None
+        self._sample = robot.sample()
+        self._clearance = NOTHING_NEAR
+        self._statistics = RunStatistics(settings.rate_hz)
+        self._stepped = 0
+        self.watchdog = Watchdog(scenario.safety, session)
+        self.intake = CommandIntake(name, self.watchdog)
+
+    @property
+    def trajectory(self) -> list[tuple[float, float, float, float, float]]:
+        """(t, x, y, z, clearance) at 50 Hz, t in s since the first tick."""
+        return self._statistics.trajectory
+
+    def step(self, now_ns: int) -> int:
+        """Do all ticks that are due; returns the instant of the next one (ns)."""
+        periods = self._ticks.due(now_ns)
+        if periods:
+            try:
+                self._tick(now_ns, periods)
+            except Exception as error:
+                self._stand_still(error, now_ns)
+            if self._state_due.due(now_ns):
+                self._send_state(now_ns)
+            self._send_scene_if_due(now_ns)
+        next_ns = self._ticks.next_ns
+        return now_ns + self._period_ns if next_ns is None else next_ns
+
+    def replace_obstacles(self, obstacles: Sequence[Obstacle], now_ns: int) -> None:
+        """From `now_ns` on the obstacles are these; the operator is told with the next tick."""
+        self._obstacles = tuple(obstacles)
+        self._field = ObstacleField(self._obstacles, now_ns)
+        self._scene_changed = True
+
+    def summary(self) -> dict[str, Any]:
+        """What happened, JSON-able; lengths in m."""
+        watchdog, statistics = self.watchdog, self._statistics
+        return {
+            "min_clearance": statistics.min_clearance,
+            "min_arm_clearance": statistics.min_arm_clearance,
+            "path_length": statistics.path_length,
+            "position": list(self._sample.position),
+            "ticks": self._stepped,
+            "overruns": self._ticks.overruns,
+            "states_sent": self._state_seq,
+            "commands_received": self.intake.received,
+            "refused": self.intake.refused(),
+            "stops": watchdog.stops,
+            "holds": watchdog.holds,
+            "mode": watchdog.mode,
+            "reason": watchdog.reason,
+            "changes": [[c.t_ns, c.mode, c.reason] for c in watchdog.changes],
+        }
+
+    def _tick(self, now_ns: int, periods: int) -> None:
+        watchdog = self.watchdog
+        if self._field is None:
+            self._field = ObstacleField(self._obstacles, now_ns)
+        for missed in range(min(periods - 1, CATCH_UP_NS // self._period_ns), 0, -1):
+            then_ns = now_ns - missed * self._period_ns
+            watchdog.tick(then_ns)
+            self._observe(self._field, then_ns)
+            self._move(then_ns)
+        watchdog.tick(now_ns)
+        self.intake.take(self._link.receive(), now_ns)
+        self._observe(self._field, now_ns)
+        self._move(now_ns)
+
+    def _observe(self, field: ObstacleField, now_ns: int) -> None:
+        sample = self._robot.sample()
+        if not _finite(sample):
+            raise ArithmeticError("the robot's state is not finite")
+        self._sample = sample
+        self._clearance = field.clearance(sample.position, self._radius, now_ns)
+        self._statistics.add(now_ns, sample.position, self._clearance)
+
+    def _move(self, now_ns: int) -> None:
+        # The one place between what the operator may ask for and what the robot does.
+        self._robot.step(self.watchdog.velocity(now_ns), self._dt)
+        self._stepped += 1
+
+    def _stand_still(self, error: Exception, now_ns: int) -> None:
+        """Latch a stop, and still try to brake."""
+        self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
+        try:
+            self._robot.step(ZERO, self._dt)
+        except Exception:
+            return  # it cannot even be told to stand still; the fault says so to the operator
+
+    def _arm_clearance(self, now_ns: int) -> float | None:
+        if self._field is None:
+            return None
+        try:
+            clearance = self._robot.arm_clearance(self._field.at(now_ns))
+        except Exception as error:
+            self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
+            return None
+        self._statistics.add_arm(clearance)
+        return clearance
+
+    def _send_state(self, now_ns: int) -> None:
+        watchdog, sample = self.watchdog, self._sample
+        arm_clearance = self._arm_clearance(now_ns)
+        state = RobotState(
+            source=self._name,
+            session=self._session,
+            seq=self._state_seq,
+            t_sent_ns=now_ns,
+            echo=self.intake.newest.echo(now_ns),
+            t_sample_ns=now_ns,
+            position=sample.position,
+            velocity=sample.velocity,
+            orientation=sample.orientation,
+            joints=sample.joints,
+            applied_session=watchdog.applied_session,
+            applied_seq=watchdog.applied_seq,
+            applied_for_ns=now_ns - watchdog.applied_ns if watchdog.applied_session else 0,
+            mode=watchdog.mode,
+            reason=watchdog.reason,
+            holder=watchdog.lease.holder,
+            clearance=self._clearance,
+            min_clearance=self._statistics.min_clearance,
+            arm_clearance=arm_clearance,
+            refused=self.intake.refused(),
+            stops=watchdog.stops,
+        )
+        self._state_seq += 1
+        self._link.send(Packet(state_key(self._name), encode(state)))
+
+    def _send_scene_if_due(self, now_ns: int) -> None:
+        # A new holder is a change as well: it must not wait a second before it knows what to avoid.
+        holder = self.watchdog.lease.holder
+        changed = self._scene_changed or holder != self._shown_holder
+        if not self._scene_due.due(now_ns) and not changed:
+            return
+        self._scene_changed, self._shown_holder = False, holder
+        scene = Scene(
+            source=self._name,
+            session=self._session,
+            seq=self._scene_seq,
+            t_sent_ns=now_ns,
+            t_sample_ns=now_ns,
+            robot_radius=self._radius,
+            obstacles=self._field.at(now_ns) if self._field is not None else self._obstacles,
+            targets=self._targets,
+        )
+        self._scene_seq += 1
+        self._link.send(Packet(scene_key(self._name), encode(scene)))
+
+
+def _finite(sample: RobotSample) -> bool:
+    return math.isfinite(sum(sample.position) + sum(sample.velocity) + sum(sample.joints))
