@@ -3,19 +3,18 @@
 OUTAGE, LOSS, (or both as TCP), DUPLICATE, CORRUPT, RATE, DELAY, REORDER, SLOT, (TCP_ORDER).
 """
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from typing import cast
 
 from common.keys import kind_of, robot_of
 from common.link import Packet
 from netem.impairments.base import Context, Flow, Impairment, LossModel, Scope, Stage, Transit, Word
 from netem.impairments.outage import OutageStage, Windows
-from netem.impairments.reorder import InOrder
-from netem.impairments.tcp_like import TcpLike
+from netem.impairments.tcp_like import Connection, TcpLike
 from netem.spec import CLASSES, Spec
 
 MAX_FLOWS = 1024
-_Built = dict[Word, Impairment]
+_Built = dict[Hashable, Impairment]
 
 
 class Chain:
@@ -36,7 +35,7 @@ class Chain:
         self._flows: dict[str, Flow] = {}
         self._built: dict[str, _Built] = {}
         self._shared: dict[str, _Built] = {}
-        self._tcp_order: dict[str, InOrder] = {}
+        self._connections: dict[str, Connection] = {}
         self._generations: dict[tuple[str, str], int] = {}
         self._version = 0
         self._outages: list[tuple[Windows, OutageStage]] = []
@@ -66,7 +65,7 @@ class Chain:
             copy.is_copy = True
             transits.append(copy)
         for each in transits:
-            for impairment in flow.tail:
+            for impairment in flow.copy_tail if each.is_copy else flow.tail:
                 impairment.apply(each)
         return transits
 
@@ -101,7 +100,7 @@ class Chain:
 
     def _rebuild(self) -> None:
         for flow in self._flows.values():
-            flow.head, flow.tail = self._compile(flow.key, flow.message_class)
+            flow.head, flow.tail, flow.copy_tail = self._compile(flow.key, flow.message_class)
 
     def _new_flow(self, key: str, now_ns: int) -> Flow:
         self.start(now_ns)
@@ -112,34 +111,46 @@ class Chain:
                 return self._flows[key]
         message_class = kind_of(key)
         message_class = message_class if message_class in CLASSES else "other"
-        head, tail = self._compile(key, message_class)
-        flow = Flow(key, robot_of(key) or "other", message_class, head, tail)
+        flow = Flow(key, robot_of(key) or "other", message_class, *self._compile(key, message_class))
         self._flows[key] = flow
         return flow
 
-    def _compile(self, key: str, message_class: str) -> tuple[list[Impairment], list[Impairment]]:
-        """The impairments of one flow, built where they are new."""
+    def _compile(
+        self, key: str, message_class: str
+    ) -> tuple[list[Impairment], list[Impairment], list[Impairment]]:
+        """Head, tail and tail for copies of one flow, built where they are new."""
         before = self._built.get(key, {})
         now: _Built = {}
-        stages: list[tuple[Stage, Impairment]] = []
-        for word, own in self.spec.words_for(message_class):
+        head: list[tuple[Stage, Impairment]] = [(Stage.OUTAGE, stage) for _, stage in self._outages]
+        tail: list[Impairment] = []
+        copy_tail: list[Impairment] = []
+        tcp: tuple[TcpLike, Connection] | None = None
+        words = self.spec.words_for(message_class)
+        duplicates = any(word.stage is Stage.DUPLICATE for word, _ in words)
+        for word, own in words:
             owner = message_class if own else ""
             if word.scope is Scope.LINK:
-                shared = self._shared.setdefault(owner, {})
-                if word not in shared:
-                    shared[word] = word.build(self._context(owner, owner, word.kind))
-                stages.append((word.stage, shared[word]))
-                continue
-            now[word] = before.get(word) or word.build(self._context(key, owner, word.kind))
-            stages.append((word.stage, now[word]))
+                built = self._shared.setdefault(owner, {})
+                impairment = _found_or_built(built, built, word, word, self._context(owner, owner, word.kind))
+            else:
+                impairment = _found_or_built(before, now, word, word, self._context(key, owner, word.kind))
             if isinstance(word, TcpLike):
-                stages.append((Stage.TCP_ORDER, self._tcp_order.setdefault(owner, InOrder())))
-        stages = [(Stage.OUTAGE, stage) for _, stage in self._outages] + stages
+                tcp = (word, self._connections.setdefault(owner, Connection()))
+            elif word.stage <= Stage.DUPLICATE:
+                head.append((word.stage, impairment))
+            else:
+                tail.append(impairment)
+                if duplicates and word.stage in (Stage.CORRUPT, Stage.DELAY):
+                    context = self._context(f"{key}#copy", owner, word.kind)
+                    impairment = _found_or_built(before, now, ("copy", word), word, context)
+                copy_tail.append(impairment)
         self._built[key] = now
-        stages = _repair(stages, next((word for word in now if isinstance(word, TcpLike)), None))
-        stages.sort(key=lambda pair: pair[0])
-        head = [impairment for stage, impairment in stages if stage <= Stage.DUPLICATE]
-        return head, [impairment for stage, impairment in stages if stage > Stage.DUPLICATE]
+        if tcp is not None:
+            word, connection = tcp
+            tail.append(connection.order)
+            copy_tail.append(connection.order)
+            head = _repaired(head, word, connection)
+        return [impairment for _, impairment in head], tail, copy_tail
 
     def _context(self, owner: str, message_class: str, kind: str) -> Context:
         generation = self._generations.get((message_class, kind), 0)
@@ -157,10 +168,16 @@ def _words(spec: Spec, name: str) -> tuple[Word, ...]:
     return next((words or () for known, words in spec.classes if known == name), ())
 
 
-def _repair(stages: list[tuple[Stage, Impairment]], tcp: TcpLike | None) -> list[tuple[Stage, Impairment]]:
+def _found_or_built(before: _Built, now: _Built, place: Hashable, word: Word, context: Context) -> Impairment:
+    """The impairment that is there already, with its state, or a new one."""
+    found = now[place] = before.get(place) or word.build(context)
+    return found
+
+
+def _repaired(
+    head: list[tuple[Stage, Impairment]], word: TcpLike, connection: Connection
+) -> list[tuple[Stage, Impairment]]:
     """With `tcp-like` among them, the losses and outages act through it."""
-    if tcp is None:
-        return stages
-    losses = [cast(LossModel, each) for stage, each in stages if stage in (Stage.OUTAGE, Stage.LOSS)]
-    kept = [pair for pair in stages if pair[0] not in (Stage.OUTAGE, Stage.LOSS, Stage.TCP)]
-    return [(Stage.TCP, tcp.around(losses)), *kept]
+    losses = [cast(LossModel, each) for stage, each in head if stage in (Stage.OUTAGE, Stage.LOSS)]
+    kept = [pair for pair in head if pair[0] not in (Stage.OUTAGE, Stage.LOSS)]
+    return [(Stage.TCP, word.around(losses, connection)), *kept]

@@ -54,6 +54,7 @@ class Flow:
         robot: whose key it is; "other" if none of ours.
         message_class: one of netem.spec.CLASSES.
         head, tail: what its messages pass, up to where they may be duplicated and from there on.
+        copy_tail: the same for copies, whose draws must not shift those of the messages.
         count: messages so far.
         newest_released: largest ordinal that has been released.
     """
@@ -63,6 +64,7 @@ class Flow:
     message_class: str
     head: "list[Impairment]"
     tail: "list[Impairment]"
+    copy_tail: "list[Impairment]"
     count: int = 0
     newest_released: int = -1
 

@@ -1,6 +1,7 @@
 """`rate:RATE[,QUEUE]`: the messages' bytes leave one after the other at RATE (tc: `rate 2mbit limit N`).
 
-What waits is bounded by QUEUE bytes (256 kB unless said); a message that does not fit is dropped (tail drop).
+What waits or is being sent is bounded by QUEUE bytes (256 kB unless said); a message that does not fit is
+dropped (tail drop).
 All messages of a direction share one queue, first in, first out: a camera can starve the commands.
 """
 
@@ -17,7 +18,7 @@ class Rate(Word, frozen=True):
 
     Attributes:
         bits_per_second: the rate.
-        queue: bytes that may wait.
+        queue: bytes that may wait or be under way.
     """
 
     bits_per_second: int

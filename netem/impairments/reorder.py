@@ -92,6 +92,8 @@ class _Gap:
         self._counter = 0
 
     def apply(self, transit: Transit) -> None:
+        if transit.is_copy:
+            return
         at_once = self._events.draw()
         self._counter += 1
         if self._counter < self._gap or not at_once:

@@ -2,13 +2,15 @@
 
 The losses and outages of the chain become retransmissions after TIMEOUT (200 ms unless said), doubling at
 each further loss of the same message; after 15 it is given up. All messages of the direction wait for those
-before them, which is TCP's head-of-line blocking. tc-netem has it by delaying real TCP packets.
+before them, which is TCP's head-of-line blocking; what was lost behind such a message follows right after it,
+so that an outage ends in one burst. tc-netem has it by delaying real TCP packets.
 """
 
 from collections.abc import Sequence
 from typing import ClassVar
 
 from netem.impairments.base import Context, Impairment, LossModel, Stage, Transit, Word
+from netem.impairments.reorder import InOrder
 from netem.spec_reader import Reader, milliseconds_text
 
 DEFAULT_TIMEOUT_NS = 200_000_000
@@ -46,17 +48,31 @@ class TcpLike(Word, frozen=True):
 
     def build(self, context: Context) -> Impairment:
         """Without losses to repair there is nothing to send again."""
-        return self.around(())
+        return self.around((), Connection())
 
-    def around(self, losses: Sequence[LossModel]) -> Impairment:
+    def around(self, losses: Sequence[LossModel], connection: "Connection") -> Impairment:
         """What repairs the given losses."""
-        return _Retransmission(self.timeout_ns, losses)
+        return _Retransmission(self.timeout_ns, losses, connection)
+
+
+class Connection:
+    """The one connection of a direction.
+
+    Attributes:
+        sent_ns: when the newest successful transmission so far leaves; what is behind it waits until then.
+        order: keeps arrivals in order.
+    """
+
+    def __init__(self) -> None:
+        self.sent_ns = 0
+        self.order = InOrder()
 
 
 class _Retransmission:
-    def __init__(self, timeout_ns: int, losses: Sequence[LossModel]) -> None:
+    def __init__(self, timeout_ns: int, losses: Sequence[LossModel], connection: Connection) -> None:
         self._timeout_ns = timeout_ns
         self._losses = losses
+        self._connection = connection
 
     def apply(self, transit: Transit) -> None:
         timeout_ns = self._timeout_ns
@@ -66,5 +82,9 @@ class _Retransmission:
                 transit.cause = transit.cause or "tcp-like"
                 return
             transit.retransmissions += 1
+            if transit.release_ns < self._connection.sent_ns:
+                transit.release_ns = self._connection.sent_ns
+                continue
             transit.release_ns += timeout_ns
             timeout_ns = min(2 * timeout_ns, LARGEST_TIMEOUT_NS)
+        self._connection.sent_ns = max(self._connection.sent_ns, transit.release_ns)
