@@ -1,0 +1,68 @@
+"""The robot's program: one node in one real-time loop, and its summary at the end."""
+
+import json
+import secrets
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from common.clock import SystemClock
+from common.executor import RealtimeExecutor
+from common.link import Link
+from common.scenario import Scenario
+from robot_side.registry import make_robot
+from robot_side.robot_node import RobotNode
+
+
+class _UntilStopped:
+    """The node, and a look at the event before each step."""
+
+    def __init__(self, node: RobotNode, stop_event: threading.Event) -> None:
+        self._node = node
+        self._stop_event = stop_event
+        self.stop: Callable[[], None] = lambda: None
+
+    def step(self, now_ns: int) -> int:
+        """Step the node, unless the event is set."""
+        if self._stop_event.is_set():
+            self.stop()
+            return now_ns
+        return self._node.step(now_ns)
+
+
+def run_robot(
+    scenario: Scenario,
+    robot_name: str,
+    link: Link,
+    clock: SystemClock,
+    stop_event: threading.Event,
+    summary_file: Path | None = None,
+    realtime: bool = True,
+) -> dict[str, Any]:
+    """Run the scenario's robot until `stop_event` is set; returns its summary.
+
+    The summary holds the trajectory and the lateness of the loop (s) as well, and is written to
+    `summary_file` as JSON. Raises ScenarioError when the robot cannot stand at the scenario's start.
+    """
+    robot = make_robot(scenario)
+    try:
+        node = RobotNode(scenario, robot, link, robot_name, secrets.randbits(48) + 1)
+        guarded = _UntilStopped(node, stop_event)
+        executor = RealtimeExecutor(guarded, clock, realtime=realtime)
+        guarded.stop = executor.stop
+        executor.run()
+        summary = node.summary()
+        late = executor.lateness
+        summary["trajectory"] = node.trajectory
+        summary["lateness"] = {
+            "p50": late.quantile(0.5),
+            "p99": late.quantile(0.99),
+            "max": late.max_ns * 1e-9,
+            "realtime_priority": executor.has_realtime_priority,
+        }
+    finally:
+        robot.close()
+    if summary_file is not None:
+        summary_file.write_text(json.dumps(summary), encoding="utf-8")
+    return summary
