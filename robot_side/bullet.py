@@ -1,38 +1,43 @@
-"""PyBullet, imported and connected without its chatter on stdout, which belongs to the user's program."""
+"""PyBullet, imported and connected without its chatter on the user's terminal."""
 
 import ctypes
-import io
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from typing import Any
 
 GRAVITY = 9.81  # m/s^2
 
 
 @contextmanager
-def silent_stdout() -> Iterator[None]:
-    """What is printed meanwhile, by Python or by C, goes nowhere; C's buffers are emptied at both ends."""
+def quiet() -> Iterator[None]:
+    """What C code prints meanwhile goes nowhere; its buffers are emptied at both ends."""
     libc = ctypes.CDLL(None)
-    sys.stdout.flush()
-    libc.fflush(None)
-    kept = os.dup(1)
+    _flush(libc)
+    kept = {stream: os.dup(stream) for stream in (1, 2)}
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 1)
-        with redirect_stdout(io.StringIO()):
-            yield
+        for stream in kept:
+            os.dup2(nowhere, stream)
+        yield
     finally:
-        libc.fflush(None)
-        os.dup2(kept, 1)
-        os.close(kept)
+        _flush(libc)
+        for stream, copy in kept.items():
+            os.dup2(copy, stream)
+            os.close(copy)
         os.close(nowhere)
+
+
+def _flush(libc: ctypes.CDLL) -> None:
+    sys.stdout.flush()
+    sys.stderr.flush()
+    libc.fflush(None)
 
 
 def connect() -> tuple[Any, int]:
     """The pybullet module, and a new world without graphics but with gravity along -z."""
-    with silent_stdout():
+    with quiet():
         import pybullet
 
         client = pybullet.connect(pybullet.DIRECT)

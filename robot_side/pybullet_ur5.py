@@ -12,7 +12,7 @@ from common.errors import ScenarioError
 from common.geometry import Array, to_vector3
 from common.messages import Obstacle
 from common.scenario import Scenario
-from robot_side.bullet import connect, silent_stdout
+from robot_side.bullet import connect, quiet
 from robot_side.bullet_obstacles import BulletObstacles
 from robot_side.joint_bounds import JointBounds
 from robot_side.kinematics import Kinematics
@@ -105,7 +105,7 @@ class UR5Robot:
         bullet, client = self._bullet, self._client
         bullet.setPhysicsEngineParameter(solverResidualThreshold=_RESIDUAL, physicsClientId=client)
         flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_SELF_COLLISION
-        with tempfile.TemporaryDirectory() as folder, silent_stdout():
+        with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "ur5.urdf"
             path.write_text(collision_urdf(), encoding="utf-8")
             self.body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
