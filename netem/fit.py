@@ -22,6 +22,7 @@ from scipy.special import gammaincinv
 from common.errors import TraceError
 from netem.trace import Trace
 from netem.trace_model import DelayModel, EpisodeKind, Episodes, Jitter
+from netem.trace_model_sampler import ModelSampler
 
 FITTED = (5.0, 50.0, 95.0, 99.0)
 MIN_SAMPLES = 100
@@ -102,7 +103,7 @@ def model_quantiles(
     step_ns, count = max(1, round(step * 1e9)), 100_000
     total = np.zeros(count)
     for direction in ("uplink", "downlink") if model.path == "round-trip" else ("uplink",):
-        sampler = model.sampler(make_rng(direction), direction)
+        sampler = ModelSampler(model, make_rng(direction), direction)
         drawn = (sampler.draw(index * step_ns) for index in range(count))
         total += np.array([math.nan if delay is None else delay for delay in drawn])
     arrived = total[~np.isnan(total)]
@@ -146,11 +147,11 @@ def _episodes(
     extras = [event[2] for event in events] if kind == "slow" else [0.0]
     return Episodes(
         kind=kind,
-        interval=interval,
-        shortest=shortest,
-        longest=longest,
-        least_extra=min(extras),
-        most_extra=max(extras),
+        interval=float(f"{interval:.6g}"),
+        shortest=float(f"{shortest:.6g}"),
+        longest=float(f"{longest:.6g}"),
+        least_extra=float(f"{min(extras):.6g}"),
+        most_extra=float(f"{max(extras):.6g}"),
         periodic=periodic,
     )
 
@@ -186,7 +187,7 @@ def _jitter(body: NDArray[np.float64], correlation_time: float) -> tuple[float, 
         ),
         key=lambda result: float(result.fun),
     )
-    floor, shape, scale = parameters(best.x)
+    floor, shape, scale = (float(f"{value:.6g}") for value in parameters(best.x))
     return floor, Jitter(shape, scale, correlation_time)
 
 
@@ -197,7 +198,7 @@ def _correlation_time(delays: NDArray[np.float64], step: float) -> float:
     if both.sum() < MIN_SAMPLES // 2 or a[both].std() == 0 or b[both].std() == 0:
         return 0.0
     rho = float(np.corrcoef(a[both], b[both])[0, 1])
-    return 0.0 if rho <= 0.05 else -step / math.log(min(rho, 0.999))
+    return 0.0 if rho <= 0.05 else float(f"{-step / math.log(min(rho, 0.999)):.4g}")
 
 
 def _without_none(value: object) -> object:

@@ -17,7 +17,8 @@ import numpy as np
 
 from common.errors import TraceError
 from netem.trace import read_text
-from netem.trace_model import DelayModel, Episodes, Jitter, ModelSampler, UniformJitter
+from netem.trace_model import DelayModel, Episodes, Jitter, UniformJitter
+from netem.trace_model_sampler import ModelSampler
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -47,8 +48,8 @@ class Profile:
         schedule: np.random.Generator | None = None,
         origin_ns: int | None = None,
     ) -> ModelSampler:
-        """The delays of one direction; see DelayModel.sampler."""
-        return self.model.sampler(rng, direction, schedule=schedule, origin_ns=origin_ns)
+        """The delays of one direction; see ModelSampler."""
+        return ModelSampler(self.model, rng, direction, schedule=schedule, origin_ns=origin_ns)
 
 
 # Floor, shape and scale of 5g-urban per second of its median: the form of jitter lent to the others.
