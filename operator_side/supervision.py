@@ -2,7 +2,7 @@
 
 | situation | command |
 |---|---|
-| no state or no scene yet | hold |
+| no state or no scene yet | nothing is sent |
 | another session holds control | nothing is sent |
 | nobody holds control | acknowledge, which asks for it |
 | the device's emergency stop | estop |
@@ -42,9 +42,9 @@ def decide(
     if steering is not None and steering.estop:
         return Decision("estop", "emergency stop by the operator")
     if state is None:
-        return Decision("hold", "no state from the robot yet")
+        return Decision(None, "no state from the robot yet")
     if scene is None or steering is None:
-        return Decision("hold", "no scene from the robot yet")
+        return Decision(None, "no scene from the robot yet")
     if state.holder not in (0, session):
         return Decision(None, f"another operator holds control (session {state.holder:x})")
     if state.mode in ("stopped", "estop"):

@@ -1,0 +1,71 @@
+"""What every program of Farhand does around its loop: signals, its parent's death, the wait for a peer."""
+
+import ctypes
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from types import FrameType
+
+PARENT_VARIABLE = "FARHAND_PARENT"
+_PR_SET_PDEATHSIG = 1
+SAY_AFTER = 5.0
+
+
+def say(program: str, line: str) -> None:
+    """One line for people, on stderr."""
+    print(f"{program}: {line}", file=sys.stderr, flush=True)
+
+
+def stop_event_on_signals() -> threading.Event:
+    """An event that SIGINT and SIGTERM set; to be called from the main thread."""
+    event = threading.Event()
+
+    def stop(_signal: int, _frame: FrameType | None) -> None:
+        event.set()
+
+    signal.signal(signal.SIGINT, stop)
+    signal.signal(signal.SIGTERM, stop)
+    return event
+
+
+def die_with_parent() -> None:
+    """If a parent named itself in the environment, be terminated by the kernel when it dies."""
+    parent = os.environ.get(PARENT_VARIABLE, "")
+    if not parent.isdigit():
+        return
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
+    if os.getppid() != int(parent):  # it died before the call
+        raise SystemExit(1)
+
+
+class PeerWatch:
+    """Says when nobody answers for 5 s, and when somebody does after that; Zenoh goes on trying.
+
+    Args:
+        program: name of the program, for the line.
+        where: the endpoints, for the line.
+        connected: whether a peer is there.
+        stop_event: ends the watch.
+    """
+
+    def __init__(
+        self, program: str, where: str, connected: Callable[[], bool], stop_event: threading.Event
+    ) -> None:
+        self._program, self._where, self._connected, self._stop = program, where, connected, stop_event
+        self._thread = threading.Thread(target=self._watch, name="peer-watch", daemon=True)
+        self._thread.start()
+
+    def _watch(self) -> None:
+        waited, said = 0.0, False
+        while not self._stop.wait(1.0):
+            if self._connected():
+                if said:
+                    say(self._program, f"{self._where}: connected")
+                waited, said = 0.0, False
+                continue
+            waited += 1.0
+            if waited >= SAY_AFTER and not said:
+                said = True
+                say(self._program, f"{self._where}: nobody answers for {waited:.0f} s; still trying")

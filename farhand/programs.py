@@ -1,0 +1,175 @@
+"""The programs `farhand operator` and `farhand robot`: sessions, links, the node, results at the end.
+
+`farhand netem` is in netem_commands.py.
+"""
+
+import secrets
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import msgspec
+
+from common.clock import SystemClock, processor_seconds
+from common.errors import EndpointError, InputError
+from common.keys import check_robot_name, command_key, scene_key, state_key
+from common.messages import ControlReport
+from common.recorder import RunInfo, RunRecorder
+from common.scenario import Scenario, scenario_to_table
+from common.zenoh_link import ZenohLink, check_endpoint, is_loopback, open_session
+from farhand.process import PeerWatch, say, stop_event_on_signals
+from farhand.summary import Tally
+from farhand.wiring import make_operator, versions
+from operator_side.control.registry import make_controller
+from operator_side.main import run_operator
+from robot_side.main import run_robot
+
+
+class OperatorResult(msgspec.Struct, frozen=True, kw_only=True):
+    """What the operator's program leaves behind; `series` holds (t, rtt, sigma, inflation, clearance)."""
+
+    finished: bool
+    duration: float
+    rtt_mean: float | None
+    rtt_std: float | None
+    ticks: int
+    interventions: int
+    infeasible: int
+    overruns: int
+    lateness_p99: float
+    has_realtime_priority: bool
+    solver: str
+    series: list[tuple[float, float | None, float, float, float | None]]
+    last_report: ControlReport | None
+
+
+def random_session() -> int:
+    """A session for one start of a program; never 0."""
+    return secrets.randbelow((1 << 62) - 1) + 1
+
+
+def local_only(endpoint: str, option: str) -> str:
+    """The endpoint if only this host can reach it; raises EndpointError otherwise."""
+    check_endpoint(endpoint)
+    if not is_loopback(endpoint):
+        raise EndpointError(f"{option} {endpoint}: must be on this host, such as tcp/127.0.0.1:7446")
+    return endpoint
+
+
+def operator_program(
+    scenario: Scenario,
+    *,
+    name: str,
+    connect: Sequence[str],
+    listen: Sequence[str],
+    report: str | None,
+    seed: int,
+    time_limit: float | None,
+    record: Path | None,
+    result: Path | None,
+    realtime: bool = True,
+) -> int:
+    """Run the operator's side; returns 0 if the task was finished, else 1."""
+    check_robot_name(name)
+    stop_event = stop_event_on_signals()
+    clock = SystemClock()
+    session = random_session()
+    report_session = open_session(listen=[local_only(report, "--report")]) if report else None
+    report_link = ZenohLink(report_session, [], clock) if report_session is not None else None
+    where = ", ".join([*connect, *listen])
+    tally = Tally()
+    series: list[tuple[float, float | None, float, float, float | None]] = []
+    with ExitStack() as closing:
+        if report_link is not None:
+            closing.callback(report_link.close)
+        controller = make_controller(scenario.controller)
+        controller.prepare()  # compiled before anything is connected, so that nothing compiles in a run
+        notice = getattr(controller, "solver_notice", "")
+        if notice:
+            say("operator", notice)
+        solver = controller.settings.solver
+        link = ZenohLink(open_session(connect, listen), [state_key(name), scene_key(name)], clock)
+        closing.callback(link.close)
+        node = make_operator(scenario, link, name, session, controller, processor_seconds)
+        PeerWatch("operator", where, link.connected, stop_event)
+        if record is not None:
+            info = RunInfo(
+                scenario=scenario_to_table(scenario),
+                robot=name,
+                session=session,
+                seed=seed,
+                versions=versions(),
+                solver=solver,
+            )
+            recorder = RunRecorder(record, info)
+            closing.callback(recorder.close)
+            node.recorder = recorder
+        said = ""
+
+        def watch(seen: ControlReport) -> None:
+            nonlocal said
+            tally.add(seen)
+            t = (seen.t_sent_ns - (node.driving_since_ns or seen.t_sent_ns)) * 1e-9
+            series.append((t, seen.rtt, seen.sigma, seen.inflation, seen.clearance))
+            if seen.stop_reason != said:
+                said = seen.stop_reason
+                say("operator", said or "driving")
+
+        outcome = run_operator(
+            node,
+            name,
+            clock,
+            stop_event,
+            report_link=report_link,
+            time_limit=time_limit,
+            watch=watch,
+            realtime=realtime,
+        )
+    rtt_mean, rtt_std = node.round_trip.overall()
+    if result is not None:
+        found = OperatorResult(
+            finished=outcome.finished,
+            duration=outcome.duration,
+            rtt_mean=rtt_mean,
+            rtt_std=rtt_std,
+            ticks=tally.ticks,
+            interventions=tally.interventions,
+            infeasible=tally.infeasible,
+            overruns=outcome.overruns,
+            lateness_p99=outcome.lateness_p99,
+            has_realtime_priority=outcome.has_realtime_priority,
+            solver=solver,
+            series=series,
+            last_report=tally.last,
+        )
+        result.write_bytes(msgspec.json.encode(found))
+    say("operator", "finished" if outcome.finished else "ended before the last target")
+    return 0 if outcome.finished else 1
+
+
+def robot_program(
+    scenario: Scenario,
+    *,
+    name: str,
+    connect: Sequence[str],
+    listen: Sequence[str],
+    result: Path | None,
+    realtime: bool = True,
+) -> int:
+    """Run the robot's side until it is told to end."""
+    check_robot_name(name)
+    stop_event = stop_event_on_signals()
+    clock = SystemClock()
+    link = ZenohLink(open_session(connect, listen), [command_key(name)], clock)
+    try:
+        PeerWatch("robot", ", ".join([*connect, *listen]), link.connected, stop_event)
+        run_robot(scenario, name, link, clock, stop_event, result, realtime)
+    finally:
+        link.close()
+    return 0
+
+
+def check_writable(path: Path | None, option: str) -> None:
+    """Raise InputError unless a file can be written there."""
+    if path is not None and not path.resolve().parent.is_dir():
+        raise InputError(f"{option} {path}: there is no folder {path.resolve().parent}")

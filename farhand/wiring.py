@@ -1,0 +1,55 @@
+"""One wiring for both worlds: the three nodes are made here for the programs and for virtual time alike."""
+
+import importlib.metadata
+import platform
+from collections.abc import Callable
+
+from common.link import Link
+from common.scenario import Scenario
+from common.seeds import stream
+from netem.netem_node import NetemNode
+from netem.spec import parse_spec
+from operator_side.control.controller import Controller
+from operator_side.operator_node import OperatorNode
+from operator_side.steering.tester import Tester
+from robot_side.registry import make_robot
+from robot_side.robot_node import RobotNode
+
+
+def session_of(seed: int, side: str) -> int:
+    """A session for virtual time; programs draw theirs from the operating system."""
+    return int(stream(seed, "session", side).integers(1, 1 << 62))
+
+
+def make_operator(
+    scenario: Scenario,
+    link: Link,
+    name: str,
+    session: int,
+    controller: Controller,
+    stopwatch: Callable[[], float] | None = None,
+) -> OperatorNode:
+    """The operator's node with the paper's tester; `controller` is prepared already."""
+    return OperatorNode(scenario, controller, Tester(scenario.operator), link, name, session, stopwatch)
+
+
+def make_netem(operator_link: Link, robot_link: Link, uplink: str, downlink: str, seed: int) -> NetemNode:
+    """The emulated network between two links, from SPECs."""
+    return NetemNode(operator_link, robot_link, parse_spec(uplink), parse_spec(downlink), seed)
+
+
+def make_robot_node(scenario: Scenario, link: Link, name: str, session: int) -> RobotNode:
+    """The robot's node with the scenario's robot."""
+    return RobotNode(scenario, make_robot(scenario), link, name, session)
+
+
+def versions() -> dict[str, str]:
+    """Versions of what decides results."""
+    names = ("farhand", "numpy", "numba", "casadi", "daqp", "pybullet", "pin", "eclipse-zenoh", "msgspec")
+    found = {"python": platform.python_version()}
+    for name in names:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "absent"
+    return found
