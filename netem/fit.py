@@ -1,6 +1,6 @@
 """Fit of the delay model (trace_model.py) to a recording.
 
-1. Samples above a threshold far outside the usual jitter form episodes; so do runs of lost messages.
+1. Samples above a threshold beyond the reach of the usual jitter form episodes; so do runs of lost messages.
 2. Where most episodes' delays fall as fast as time passes they held their messages, which then arrived
    together: "hold". Otherwise they are "slow". Periodic, if the times between starts differ by less than
    a tenth.
@@ -17,7 +17,7 @@ import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.special import gammaincinv
+from scipy.special import gammainccinv, gammaincinv
 
 from common.errors import TraceError
 from netem.trace import Trace
@@ -25,6 +25,8 @@ from netem.trace_model import DelayModel, EpisodeKind, Episodes, Jitter
 from netem.trace_model_sampler import ModelSampler
 
 FITTED = (5.0, 50.0, 95.0, 99.0)
+BULK = (5.0, 25.0, 50.0, 75.0)
+"""Percentiles that episodes hardly touch."""
 MIN_SAMPLES = 100
 _LOSS_RUN = 3
 """So many messages lost in a row are an episode."""
@@ -45,7 +47,8 @@ def fit_model(trace: Trace) -> DelayModel:
     threshold = _threshold(delays[arrived])
     high = arrived & (np.nan_to_num(delays) > threshold)
     usual = float(np.median(delays[arrived]))
-    runs = _runs(high)
+    # A message lost within an episode does not end it.
+    runs = _runs(high | (~arrived & _last_of(high, arrived) & _last_of(high[::-1], arrived[::-1])[::-1]))
     # Two samples show no slope: the episodes that do decide for all.
     falling = [_falls(times[a : b + 1], delays[a : b + 1]) for a, b in runs if b - a >= 2]
     high_kind: EpisodeKind = "hold" if 2 * sum(falling) > len(falling) else "slow"
@@ -53,9 +56,9 @@ def fit_model(trace: Trace) -> DelayModel:
     inside = np.zeros(len(delays), dtype=bool)
     for first, last in runs:
         inside[first : last + 1] = True
-        held = float(np.max(delays[first : last + 1]))
+        held = float(np.nanmax(delays[first : last + 1]))
         duration = held if high_kind == "hold" else float(times[last] - times[first]) + step
-        extra = float(np.median(delays[first : last + 1])) - usual
+        extra = float(np.nanmedian(delays[first : last + 1])) - usual
         by_kind[high_kind].append((float(times[first]), duration, max(extra, 1e-6)))
     for first, last in _runs(~arrived):
         if last - first + 1 >= _LOSS_RUN:
@@ -113,11 +116,22 @@ def model_quantiles(
 
 
 def _threshold(arrived: NDArray[np.float64]) -> float:
-    """Above it a delay is an episode: far beyond the usual spread above the median."""
-    median, p95 = np.percentile(arrived, [50, 95])
-    p75 = float(np.percentile(arrived, 75))
-    spread = max(min(float(p95 - median), 3.0 * (p75 - float(median))), 0.05 * float(median), 1e-4)
-    return float(median) + 3.0 * spread
+    """Above it a delay is an episode: out of reach for jitter of the form that the bulk has (s)."""
+    median, p75, p95 = (float(value) for value in np.percentile(arrived, [50, 75, 95]))
+    spread = max(min(p95 - median, 3.0 * (p75 - median)), 0.05 * median, 1e-4)
+    threshold = median + 3.0 * spread
+    # The more samples, the farther the usual jitter reaches: what it passes once in ten recordings.
+    floor, jitter = _jitter(arrived, 0.0, BULK)
+    if jitter is not None:
+        reach = floor + jitter.scale * float(gammainccinv(jitter.shape, 0.1 / len(arrived)))
+        threshold = max(threshold, reach)
+    return threshold
+
+
+def _last_of(high: NDArray[np.bool_], arrived: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """For each sample, whether the latest that arrived up to it was high."""
+    latest = np.maximum.accumulate(np.where(arrived, np.arange(len(high)), 0))
+    return high[latest]
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -130,7 +144,8 @@ def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def _falls(times: NDArray[np.float64], delays: NDArray[np.float64]) -> bool:
     """Whether the delays fall about as fast as time passes, as those of messages held together do."""
-    return times[-1] > times[0] and bool(np.polyfit(times - times[0], delays, 1)[0] < -0.5)
+    times, delays = times[~np.isnan(delays)], delays[~np.isnan(delays)]
+    return len(times) > 1 and times[-1] > times[0] and bool(np.polyfit(times - times[0], delays, 1)[0] < -0.5)
 
 
 def _episodes(
@@ -156,12 +171,14 @@ def _episodes(
     )
 
 
-def _jitter(body: NDArray[np.float64], correlation_time: float) -> tuple[float, Jitter | None]:
-    wanted = np.percentile(body, FITTED)
+def _jitter(
+    body: NDArray[np.float64], correlation_time: float, percents: tuple[float, ...] = FITTED
+) -> tuple[float, Jitter | None]:
+    wanted = np.percentile(body, percents)
     least = max(float(body.min()), 1e-6)
     if float(body.max()) - least < 1e-7:
         return least, None
-    fractions = np.array(FITTED) / 100
+    fractions = np.array(percents) / 100
 
     def parameters(x: NDArray[np.float64]) -> tuple[float, float, float]:
         # Transformed so that the floor stays within half of the least delay and all of it.

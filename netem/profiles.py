@@ -102,8 +102,8 @@ _ALL = (
         "the same at 100 messages a second: RTT p50 17, p99 33, stalls to 282 ms; fitted to CICV5G, 100 Hz",
         DelayModel(
             path="round-trip",
-            floor=0.01146,
-            jitter=Jitter(2.4651, 2.68992e-3, 0.0772),
+            floor=0.011797,
+            jitter=Jitter(2.08274, 3.02555e-3, 0.078),
             episodes=(_hold(51.7, 0.235, 0.282),),
         ),
     ),
@@ -128,9 +128,9 @@ _ALL = (
                 Episodes(
                     kind="slow",
                     interval=15.0,
-                    shortest=0.03,
+                    shortest=0.02,
                     longest=0.11,
-                    least_extra=0.019,
+                    least_extra=0.02,
                     most_extra=0.04,
                     periodic=True,
                 ),

@@ -96,7 +96,8 @@ def check_delay(delay: float, text: TraceText, line: int) -> float:
 def number(word: str, text: TraceText, line: int, what: str) -> float:
     """`word` as a finite float; raises TraceError that says what was expected."""
     try:
-        value = float(word)
+        # Python's float takes more than a number in a file may be: 1_000, and digits of other scripts.
+        value = float(word) if word.isascii() and "_" not in word else math.nan
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
