@@ -57,7 +57,7 @@ def test_round_trips_have_the_measured_quantiles(name, step, p50, p99, longest):
     rtt = round_trips(name, step=step)
     assert np.median(rtt) == pytest.approx(p50, rel=0.06)
     if name.startswith("5g-urban"):
-        assert np.percentile(rtt, 99) == pytest.approx(p99, rel=0.06)
+        assert np.percentile(rtt, 99) == pytest.approx(p99, rel=0.08)
     else:
         # Stalls make these tails, and are few: the share beyond the measured p99 is the steadier figure.
         assert np.mean(rtt > p99) == pytest.approx(0.01, abs=0.004)
