@@ -13,6 +13,7 @@ POSITION_TOLERANCE = 1e-6  # m
 ANGLE_TOLERANCE = 1e-6  # rad
 _ITERATIONS = 200
 _DAMPING = 1e-6
+_TURNS = (0.0, 0.5, -0.5, 1.2, -1.2, 2.0, -2.0, np.pi)  # rad about the base, tried in this order
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,16 +82,17 @@ class Kinematics:
 
     def inverse_tool_down(self, position: Vector3, seed: Array | None) -> Array | None:
         """Joint positions (6,) with the tool pointing down, or None if no start of the search leads there."""
-        home = np.array(HOME)
-        turn = np.arctan2(position[1], position[0])
-        for angle in (0.0, turn, turn + np.pi, turn - np.pi):
-            start = home.copy()
-            start[[0, 5]] += angle
-            candidates = (start,) if seed is None or angle else (seed, start)
-            for candidate in candidates:
-                q = self.inverse(position, self.R_base_tool_down, candidate)
-                if q is not None:
-                    return q
+        candidates = [] if seed is None else [seed]
+        home, turn = np.array(HOME), np.arctan2(position[1], position[0])
+        for angle in (0.0, *(turn + np.array(_TURNS))):
+            # The first and the last joint turn together: so the tool keeps its heading.
+            candidate = home.copy()
+            candidate[[0, 5]] = _wrapped(home[[0, 5]] + angle)
+            candidates.append(candidate)
+        for candidate in candidates:
+            q = self.inverse(position, self.R_base_tool_down, candidate)
+            if q is not None:
+                return q
         return None
 
 
@@ -98,3 +100,9 @@ def rotation_error(R_base_wanted: Array, R_base_tool: Array) -> Array:
     """(3,) rotation vector in base that turns the tool to where it is wanted (rad)."""
     error: Array = pin.log3(R_base_wanted @ R_base_tool.T)
     return error
+
+
+def _wrapped(angles: Array) -> Array:
+    """The same angles within -pi to pi."""
+    wrapped: Array = (angles + np.pi) % (2 * np.pi) - np.pi
+    return wrapped

@@ -22,7 +22,7 @@ ORIENTATION_GAIN = 4.0  # 1/s
 LINE_WEIGHT = 100.0
 ORIENTATION_WEIGHT = 100.0
 SINGULAR_BELOW = 0.08  # smallest singular value of the Jacobian under which damping sets in
-MAX_DAMPING = 0.02
+MAX_DAMPING = 0.05
 _LEAST_SPEED_WEIGHT = 1e-6
 
 
