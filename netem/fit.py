@@ -16,12 +16,12 @@ import msgspec
 import numpy as np
 import tomli_w
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 from scipy.special import gammainccinv, gammaincinv
 
 from common.errors import TraceError
 from netem.trace import Trace
-from netem.trace_model import DelayModel, EpisodeKind, Episodes, Jitter
+from netem.trace_model import DelayModel, EpisodeKind, Episodes, Jitter, log_uniform_mean
 from netem.trace_model_sampler import ModelSampler
 
 FITTED = (5.0, 50.0, 95.0, 99.0)
@@ -157,6 +157,10 @@ def _episodes(
     periodic = len(starts) >= 4 and float(between.std()) < 0.1 * float(between.mean())
     interval = float(between.mean()) if periodic else duration / len(starts)
     shortest, longest = float(lengths.min()), float(lengths.max())
+    mean = float(lengths.mean())
+    if longest >= interval or log_uniform_mean(shortest, longest) > 1.5 * mean:
+        # One that lasted far longer than the others would make all too long: keep the time they take up.
+        longest = brentq(lambda x: log_uniform_mean(shortest, x) - mean, shortest, 1e3 * longest)
     if longest >= interval:
         return None
     extras = [event[2] for event in events] if kind == "slow" else [0.0]

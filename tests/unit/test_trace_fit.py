@@ -89,6 +89,16 @@ def test_what_cannot_be_fitted(trace, words):
         fit_model(trace)
 
 
+def test_a_fit_keeps_the_loss_of_short_bursts_beside_a_long_one():
+    delays = np.full(20_000, 0.01) + 0.001 * (np.arange(20_000) % 7)
+    for start in range(100, 19_000, 40):
+        delays[start : start + 4] = np.nan
+    delays[5000:5200] = np.nan
+    trace = Trace(delays, None, STEP, "one-way", "")
+    lost = np.isnan(recording(fit_model(trace)).recorded).mean()
+    assert lost == pytest.approx(np.isnan(delays).mean(), rel=0.1)
+
+
 def test_a_constant_delay_has_no_jitter():
     model = fit_model(Trace(np.full(500, 0.1), None, 0.02, "one-way", ""))
     assert (model.floor, model.jitter, model.episodes, model.loss) == (pytest.approx(0.1), None, (), 0.0)
