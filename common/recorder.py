@@ -94,7 +94,7 @@ class RunRecorder:
         """Write what is queued and finish the file."""
         self._queue.put(None)
         self._thread.join()
-        self._writer.finish()
+        self._writer.finish()  # type: ignore[no-untyped-call]
         self._stream.close()
 
     def _write(self) -> None:

@@ -54,7 +54,7 @@ class RobotSettings(_Section, frozen=True, kw_only=True):
     radius: NonNegative = 0.05
     rate_hz: Rate = 500.0
     state_rate_hz: Rate = 100.0
-    lag: Annotated[float, Meta(ge=0, le=2)] = 0.03
+    lag: Annotated[float, Meta(ge=0, le=2)] = 0.016
     joints: Annotated[tuple[Real, ...], Meta(min_length=6, max_length=6)] | None = None
     velocity_control: Literal["direction", "damped"] = "direction"
     max_joint_acceleration: Positive = 15.0

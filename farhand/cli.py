@@ -241,8 +241,7 @@ def run(arguments: list[str] | None = None) -> int:
     except click.exceptions.Abort:
         return 130
     except click.ClickException as error:
-        where = f" {error.ctx.command_path}:" if getattr(error, "ctx", None) else ""
-        return _refuse(f"{where.strip()} {error.format_message()}".strip())
+        return _refuse(error.format_message())
     except InputError as error:
         return _refuse(str(error))
     except FarhandError as error:

@@ -9,6 +9,7 @@ from common.messages import RobotState, Scene, Vector3
 from common.scenario import Scenario
 from operator_side.control.controller import Controller, ControlProblem, ControlSolution, zero_plan
 from operator_side.control.fallback import safe_plan
+from operator_side.control.recovery import eased
 from operator_side.margin import Margin
 from operator_side.state_predictor import Prediction
 
@@ -66,7 +67,8 @@ class SafetyFilter:
             velocities=self._velocities,
             sigmas=np.full(len(self._radii), margin.sigma),
         )
-        solution = self._controller.solve(problem)
+        # A margin may have grown over the robot: then the way out is solved for, and checked as strictly.
+        solution = self._controller.solve(eased(problem, self._settings) or problem)
         plan, reason = safe_plan(problem, solution, self._settings)
         binding = scene.obstacles[solution.binding].id if solution.binding >= 0 else ""
         return Filtered(plan, solution, binding, reason)

@@ -23,7 +23,7 @@ def kernel_parameters(settings: ControllerSettings) -> Array:
     """The constants that the kernel works with, see its `par`.
 
     The penalty and the prices of the slack follow the cost's curvature and the period, so that they act
-    alike at 10 and at 100 Hz; with the paper's settings they are 1e5, 3e3 and 1e5.
+    alike at 10 and at 100 Hz; with the paper's settings they are 5e5, 3e3 and 1e5.
     """
     dt = settings.period
     curvature = 2.0 * max(settings.q + settings.r + 2.0 * settings.s, settings.p + settings.s)
@@ -37,7 +37,7 @@ def kernel_parameters(settings: ControllerSettings) -> Array:
     )
     par[kernel.P_OMEGA] = settings.p_omega
     par[kernel.DECAY] = 1.0 - settings.gamma
-    par[kernel.RHO] = 1e5 * (curvature / 62.0) * (0.1 / dt) ** 2
+    par[kernel.RHO] = 5e5 * (curvature / 62.0) * (0.1 / dt) ** 2
     par[kernel.PRICE] = 3e3 * (curvature / 62.0) * (0.1 / dt)
     par[kernel.PRICE_MAX] = 1e5 * (curvature / 62.0) * (0.1 / dt)
     par[kernel.CURVATURE] = curvature

@@ -1,0 +1,95 @@
+"""Child processes that never outlive their parent, and free ports for them to meet at."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from common.clock import SystemClock, to_ns
+from common.errors import EndpointError
+from farhand.process import PARENT_VARIABLE
+
+PATIENCE = 1.5
+LOW_PORT, HIGH_PORT = 20_000, 32_000
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports on loopback that nobody listens on now, below the range from which clients draw theirs."""
+    generator = np.random.default_rng()
+    found: list[int] = []
+    for _ in range(1000):
+        port = int(generator.integers(LOW_PORT, HIGH_PORT))
+        if port in found:
+            continue
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+        found.append(port)
+        if len(found) == count:
+            return found
+    raise EndpointError(f"no {count} free ports on 127.0.0.1 between {LOW_PORT} and {HIGH_PORT}")
+
+
+class Children:
+    """Programs of Farhand run as child processes, each with a log file.
+
+    Args:
+        folder: where the logs go.
+        clock: for the patience at the end.
+    """
+
+    def __init__(self, folder: Path, clock: SystemClock) -> None:
+        self._folder, self._clock = folder, clock
+        self.running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def start(self, name: str, arguments: Sequence[str]) -> None:
+        """Start `farhand ARGUMENTS`; the kernel ends it should this process die."""
+        environment = os.environ | {PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"}
+        with (self._folder / f"{name}.log").open("wb") as log:
+            self.running[name] = subprocess.Popen(
+                [sys.executable, "-m", "farhand", *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=environment,
+            )
+
+    def ended(self) -> dict[str, int]:
+        """Exit codes of those that have ended."""
+        return {name: p.returncode for name, p in self.running.items() if p.poll() is not None}
+
+    def wait_all(self, timeout: float) -> bool:
+        """Whether all have ended within `timeout` s."""
+        deadline_ns = self._clock.now_ns() + to_ns(timeout)
+        for process in self.running.values():
+            try:
+                process.wait(max(0.0, (deadline_ns - self._clock.now_ns()) * 1e-9))
+            except subprocess.TimeoutExpired:
+                return False
+        return True
+
+    def stop(self) -> None:
+        """End all of them: asked first, made to after 1.5 s."""
+        for process in self.running.values():
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+        if not self.wait_all(PATIENCE):
+            for process in self.running.values():
+                if process.poll() is None:
+                    process.kill()
+            self.wait_all(PATIENCE)
+
+    def last_words(self, name: str) -> str:
+        """The last line of a child's log."""
+        try:
+            lines = (self._folder / f"{name}.log").read_text(errors="replace").strip().splitlines()
+        except OSError:
+            return ""
+        return lines[-1] if lines else ""

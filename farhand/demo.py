@@ -1,0 +1,133 @@
+"""The demo: operator, netem and robot as three processes, joined by nothing but Zenoh on loopback."""
+
+import sys
+import threading
+from pathlib import Path
+
+from rich.console import Console
+
+from common.clock import SystemClock
+from common.scenario import Scenario
+from farhand.children import Children, free_ports
+from farhand.figure import draw_run
+from farhand.live_status import ReportReader, StatusView
+from farhand.outcome import print_outcome
+from farhand.process import stop_event_on_signals
+from farhand.run_folder import (
+    NETEM,
+    OPERATOR,
+    RECORDING,
+    ROBOT,
+    make_run_folder,
+    read_json,
+    read_operator_result,
+    summarise_folder,
+    write_scenario,
+)
+from farhand.summary import write_summary
+from robot_side.registry import make_robot
+
+INTERRUPTED = "interrupted"
+NAMES = ("netem", "robot", "operator")
+
+
+def run_demo(
+    scenario: Scenario,
+    *,
+    uplink: str,
+    downlink: str,
+    seed: int,
+    time_limit: float,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Run the demo; returns its exit code: 0 safe and finished, 1 otherwise."""
+    make_robot(scenario).close()  # raises now, in one line, if the robot cannot stand at the start
+    folder = make_run_folder(out, scenario.name)
+    stop_event = stop_event_on_signals()
+    console = Console(file=sys.stderr if as_json else sys.stdout)
+    network = uplink if uplink == downlink else f"{uplink} / {downlink}"
+    why = _run_programs(
+        scenario,
+        folder=folder,
+        uplink=uplink,
+        downlink=downlink,
+        seed=seed,
+        time_limit=time_limit,
+        stop_event=stop_event,
+        view=StatusView(f"{scenario.name} over {network}, margin {scenario.margin.kind}", console),
+    )
+    summary = summarise_folder(folder, scenario, seed=seed, uplink=uplink, downlink=downlink, why=why)
+    write_summary(summary, folder)
+    robot, operator = read_json(folder / ROBOT), read_operator_result(folder)
+    trajectory = robot.get("trajectory", [])
+    figure = (
+        draw_run(scenario, summary, trajectory, operator.series if operator else [], folder)
+        if trajectory
+        else None
+    )
+    print_outcome(summary, folder, figure, console, as_json=as_json, network=read_json(folder / NETEM))
+    return summary.exit_code if why != INTERRUPTED else 1
+
+
+def _run_programs(
+    scenario: Scenario,
+    *,
+    folder: Path,
+    uplink: str,
+    downlink: str,
+    seed: int,
+    time_limit: float,
+    stop_event: threading.Event,
+    view: StatusView,
+) -> str:
+    """Start the three, show their progress, end them; returns what went wrong, or nothing."""
+    clock = SystemClock()
+    name = scenario.robot.kind
+    operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
+    settings = str(write_scenario(scenario, folder))
+    children = Children(folder, clock)
+    reader: ReportReader | None = None
+    try:
+        netem = [
+            "--listen-operator",
+            operator_side,
+            "--listen-robot",
+            robot_side,
+            "--stats",
+            str(folder / NETEM),
+        ]
+        emulated = ["--uplink", uplink, "--downlink", downlink, "--seed", str(seed)]
+        task = ["--scenario", settings, "--robot", name]
+        reporting = ["--report", report, "--seed", str(seed), "--time-limit", str(time_limit)]
+        files = ["--record", str(folder / RECORDING), "--result", str(folder / OPERATOR)]
+        children.start("netem", ["netem", *netem, *emulated])
+        children.start("robot", ["robot", *task, "--connect", robot_side, "--result", str(folder / ROBOT)])
+        children.start("operator", ["operator", *task, "--connect", operator_side, *reporting, *files])
+        reader = ReportReader(report, name, clock)
+        start_ns = clock.now_ns()
+        with view:
+            while True:
+                ended = children.ended()
+                view.update(reader.read(), (clock.now_ns() - start_ns) * 1e-9)
+                if ended or stop_event.wait(0.1):
+                    break
+    finally:
+        if reader is not None:
+            reader.close()
+        children.stop()
+    if stop_event.is_set():
+        return INTERRUPTED
+    return _what_died(ended, children)
+
+
+def _what_died(ended: dict[str, int], children: Children) -> str:
+    """Why the run is no good, if a program ended that should not have."""
+    for name in NAMES:
+        code = ended.get(name)
+        if code is None or (name == "operator" and code in (0, 1)):
+            continue
+        how = f"killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+        words = children.last_words(name)
+        return f"the {name} program was {how}" + (f": {words}" if words and code > 0 else "")
+    return ""

@@ -1,0 +1,47 @@
+"""A wire inspector that knows nothing of Farhand's messages: it decodes any MessagePack with another library."""
+
+import queue
+import sys
+
+import msgpack
+import zenoh
+
+from common.zenoh_link import check_endpoint, open_session
+from farhand.process import PeerWatch, stop_event_on_signals
+
+
+def describe(payload: bytes) -> str:
+    """A payload as text: MessagePack if it is some, else its length and first bytes."""
+    try:
+        return repr(msgpack.unpackb(payload, strict_map_key=False))
+    except (ValueError, msgpack.UnpackException, RecursionError):
+        return f"{len(payload)} bytes, not MessagePack: {payload[:32].hex(' ')}{' …' * (len(payload) > 32)}"
+
+
+def run_tap(endpoint: str, key: str, count: int | None) -> int:
+    """Print what travels under `key` at `endpoint` until Ctrl-C or `count` messages."""
+    check_endpoint(endpoint)
+    stop_event = stop_event_on_signals()
+    waiting: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
+    session = open_session([endpoint])
+
+    def connected() -> bool:
+        return bool(session.info.peers_zid() or session.info.routers_zid())
+
+    PeerWatch("tap", endpoint, connected, stop_event)
+    printed = 0
+    try:
+        session.declare_subscriber(key, waiting.put)
+        while not stop_event.is_set() and (count is None or printed < count):
+            try:
+                sample = waiting.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            payload = sample.payload.to_bytes()
+            print(f"{sample.key_expr}  {len(payload)} B  {describe(payload)}", flush=True)
+            printed += 1
+    except BrokenPipeError:
+        sys.stderr.close()
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
+    return 0
