@@ -8,6 +8,8 @@ from common.errors import SpecError
 MAX_DELAY_NS = 3_600_000_000_000
 MAX_DURATION_NS = 1000 * 3_600_000_000_000
 MAX_TEXT = 4096
+DEFAULT_QUEUE = 256_000
+"""Bytes in the queue of a rate limit, where none is given."""
 
 _NUMBER = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")

@@ -145,6 +145,10 @@ class Context:
         suffix = (str(self.generation),) if self.generation else ()
         return stream(self.seed, "netem", self.direction, name, self.owner, *suffix)
 
+    def shared_rng(self, name: str) -> np.random.Generator:
+        """A stream of which every owner gets an equal copy, for what all flows must see alike."""
+        return stream(self.seed, "netem", self.direction, name, "", str(self.generation))
+
 
 class Word(msgspec.Struct, frozen=True):
     """Parameters of one impairment, as a word of the SPEC says them.

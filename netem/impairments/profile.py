@@ -5,12 +5,8 @@ from typing import ClassVar
 
 from netem.impairments.base import Context
 from netem.impairments.delay import DelayWord, Sampler
+from netem.profiles import PROFILES, Profile, load_model
 from netem.spec_reader import Reader, path_text
-
-try:
-    from netem.profiles import PROFILES, Profile, load_model
-except ImportError:
-    PROFILES = {}
 
 
 def profile_names() -> tuple[str, ...]:
@@ -33,7 +29,7 @@ class ProfileWord(DelayWord, frozen=True):
 
     def sampler(self, context: Context) -> Sampler:
         """The profile's model."""
-        return PROFILES[self.name].sampler(context.rng("delay"), context.direction)
+        return _sampler(PROFILES[self.name], context)
 
 
 class ModelWord(DelayWord, frozen=True):
@@ -63,9 +59,19 @@ class ModelWord(DelayWord, frozen=True):
 
     def sampler(self, context: Context) -> Sampler:
         """The fitted model."""
-        return _load(self.path).sampler(context.rng("delay"), context.direction)
+        return _sampler(_load(self.path), context)
 
 
 @lru_cache(maxsize=8)
-def _load(path: str) -> "Profile":
+def _load(path: str) -> Profile:
     return load_model(path)
+
+
+def _sampler(profile: Profile, context: Context) -> Sampler:
+    """Jitter and losses of its own for each key; stalls and outages come to all keys at once."""
+    return profile.sampler(
+        context.rng("delay"),
+        context.direction,
+        schedule=context.shared_rng("episodes"),
+        origin_ns=context.origin_ns,
+    )

@@ -8,9 +8,8 @@ All messages of a direction share one queue, first in, first out: a camera can s
 from typing import ClassVar
 
 from netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from netem.spec_reader import Reader, number_text
-
-DEFAULT_QUEUE = 256_000
+from netem.impairments.rate_by_trace import RateByTrace
+from netem.spec_reader import DEFAULT_QUEUE, Reader, number_text
 
 
 class Rate(Word, frozen=True):
@@ -28,10 +27,12 @@ class Rate(Word, frozen=True):
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Rate":
-        """`:RATE[,QUEUE]`."""
+    def parse(cls, reader: Reader) -> Word:
+        """`:RATE[,QUEUE]` or `:trace(FILE[,QUEUE])`."""
         reader.example = "rate:2mbit or rate:2mbit,64kB"
         reader.expect(":", "the rate")
+        if reader.take("trace("):
+            return RateByTrace.arguments(reader)
         rate = reader.rate("the rate")
         return cls(rate, reader.size("the queue's size") if reader.take(",") else DEFAULT_QUEUE)
 

@@ -193,3 +193,23 @@ def test_a_flood_of_keys_does_not_grow_the_memory():
 def test_a_missing_file_is_an_input_error():
     with pytest.raises(TraceError, match=r"nowhere\.csv"):
         build_chain(parse_spec("trace:/nowhere.csv"), 1, "uplink")
+
+
+def test_rate_by_a_packet_delivery_trace(tmp_path):
+    """1500 bytes may leave every 10 ms."""
+    file = tmp_path / "link.up"
+    file.write_text("".join(f"{n}\n" for n in range(10, 1010, 10)))
+    found = released_ms(run(f"rate:trace({file},4000B)", [0, 1, 2, 3, 95], size=1500))
+    assert found == [10, 20, None, None, 100]
+
+
+def test_stalls_of_a_profile_come_to_all_keys_at_once():
+    """`outages` loses everything for 2 s of every 10 s."""
+    chain = build_chain(parse_spec("outages"), 1, "downlink")
+    keys = ("farhand/r/state", "farhand/r/scene", "farhand/q/state")
+    lost = {key: [] for key in keys}
+    for time_ms in range(0, 30_000, 10):
+        for key in keys:
+            lost[key].append(bool(offer(chain, time_ms, key)[0].cause))
+    assert len({tuple(values) for values in lost.values()}) == 1
+    assert 0.19 < sum(lost[keys[0]]) / 3000 < 0.21
