@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from benchmarks.solver_instances import random_problems
 from common.errors import InputError
 from common.scenario import ControllerSettings
 from common.seeds import stream
@@ -312,3 +313,45 @@ def test_choosing_imports_no_solver_that_is_not_chosen():
         "assert not {'casadi', 'daqp'} & set(sys.modules)\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60, cwd=ROOT)
+
+
+def test_where_a_later_constraint_cannot_be_met_it_says_elastic():
+    """The first step could keep the margin, but the obstacle is too fast for the horizon."""
+    chased = scene(desired=(0.05, 0, 0), centres=[(0.8, 0.02, 0.01)], radii=[0.2], velocities=[(-2.6, 0, 0)])
+    assert not rows.cannot_recover(chased, SETTINGS)
+    solution = NewtonController(SETTINGS).solve(chased)
+    assert solution.status is Status.ELASTIC
+    assert solution.violation > rows.ROW_TOLERANCE
+    assert_sound(solution, SETTINGS)
+
+
+def test_a_pinch_is_never_called_good():
+    """Each obstacle alone could be left in one step; between the two there is no room."""
+    pinch = scene(centres=[(0.15, 0, 0), (-0.15, 0, 0)], radii=[0.149, 0.149], sigma=0.0025)
+    for index in range(2):
+        assert not rows.cannot_recover(rows.subset(pinch, np.array([index])), SETTINGS)
+    solution = NewtonController(SETTINGS).solve(pinch)
+    assert not solution.status.good
+    assert_sound(solution, SETTINGS)
+
+
+def test_a_second_start_finds_what_the_first_did_not():
+    problem = list(random_problems(513))[512]
+    solution = NewtonController(SETTINGS).solve(problem)
+    assert solution.iterations > SETTINGS.max_iterations
+    assert solution.status is Status.OPTIMAL
+
+
+def test_from_inside_the_old_plan_through_the_obstacle_is_not_followed():
+    controller = NewtonController(SETTINGS)
+    controller.solve(scene((-0.16, 0, 0), (0.3, 0, 0), [(0.9, 0.01, 0)], [0.1]))
+    inside = scene((-0.13, 0.0, 0.0), (0.3, 0.0, 0.0), [(0.0, 0.01, 0.0)], [0.15])
+    solution = controller.solve(inside)
+    assert (inside.position - inside.centres[0]) @ solution.plan[0] > 0
+
+
+def test_a_change_in_number_forgets_what_belonged_to_other_obstacles():
+    controller = NewtonController(SETTINGS)
+    controller.solve(AHEAD)
+    two = scene(centres=[(0.0, 0.3, 0.01), (0.25, 0.01, 0.0)], radii=[0.2, 0.15])
+    assert controller.solve(two).plan.tobytes() == NewtonController(SETTINGS).solve(two).plan.tobytes()
