@@ -116,6 +116,10 @@ def _draw_path(axes: Any, scenario: Scenario, path: Array, series: Series) -> No
         axes.plot(target[a], target[b], "*", color=GREEN, ms=9, label="targets" if number == 1 else None)
         axes.annotate(str(number), (target[a], target[b]), xytext=(4, 4), textcoords="offset points")
     axes.set_aspect("equal", adjustable="datalim")
+    unseen = np.ptp(path[:, 1 + 3 - a - b]) if len(path) else 0.0
+    if unseen > 0.005:  # the rings are outlines of spheres: the tool may pass in front of one
+        note = f"seen along ${AXES[3 - a - b]}$, in which the tool moves {unseen * 1e3:.0f} mm"
+        axes.text(0.02, 0.98, note, transform=axes.transAxes, va="top", fontsize=6.5, color=GREY)
     axes.autoscale_view()
     axes.set_xlabel(f"${AXES[a]}$ (m)")
     axes.set_ylabel(f"${AXES[b]}$ (m)")
