@@ -55,6 +55,8 @@ class Message(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         seq: counts up by one a message of this kind and session.
         t_sent_ns: sender's monotonic clock; for a command the instant at which its tick began.
         echo: newest message received from the other side.
+        check: CRC-32 of the bytes before it; the codec writes it as the last field, verifies it and takes it
+            off again, so that a node never sees it. A foreign sender may leave it out.
     """
 
     schema: int = SCHEMA
@@ -63,6 +65,7 @@ class Message(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     seq: Stamp
     t_sent_ns: Stamp
     echo: Echo | None = None
+    check: Annotated[int, Meta(ge=0, le=2**32 - 1)] | msgspec.UnsetType = msgspec.UNSET
 
 
 class VelocityCommand(Message, frozen=True, kw_only=True):

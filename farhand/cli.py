@@ -1,10 +1,9 @@
-"""The command line: every command with its help; heavy modules are imported only by the command that needs them."""
+"""The command line: every command with its help. Heavy modules are imported only by the commands that use them."""
 
 import sys
 from pathlib import Path
 from typing import Annotated
 
-import click
 import typer
 
 from common.errors import FarhandError, InputError
@@ -41,6 +40,9 @@ app = typer.Typer(
 )
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
+
+# Typer carries a Click of its own and exports only some of its exceptions; all of them share this base.
+UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
 
 OutOption = Annotated[
     Path | None, typer.Option("--out", help="Folder for the results [default: runs/<time>-<scenario>].")
@@ -236,14 +238,14 @@ def run(arguments: list[str] | None = None) -> int:
     die_with_parent()
     try:
         result = app(arguments, standalone_mode=False)
-    except click.exceptions.Exit as end:
+    except typer.Exit as end:
         return int(end.exit_code)
-    except click.exceptions.Abort:
+    except typer.Abort:
         return 130
-    except click.ClickException as error:
-        return _refuse(error.format_message())
+    except UsageError as error:
+        return _refuse(_usage(error))
     except InputError as error:
-        return _refuse(str(error))
+        return _refuse(f"farhand: {error}")
     except FarhandError as error:
         print(f"farhand: {error}", file=sys.stderr)
         return 1
@@ -252,6 +254,14 @@ def run(arguments: list[str] | None = None) -> int:
     return result if isinstance(result, int) else 0
 
 
+def _usage(error: Exception) -> str:
+    """One line for an error in the use of a command: where, what, and where to read on."""
+    text = getattr(error, "format_message", lambda: str(error))()
+    context = getattr(error, "ctx", None)
+    command = getattr(context, "command_path", "farhand")
+    return f"{command}: {text} (see `{command} --help`)"
+
+
 def _refuse(line: str) -> int:
-    print(f"farhand: {' '.join(line.split())}", file=sys.stderr)
+    print(" ".join(line.split()), file=sys.stderr)
     return 2
