@@ -40,7 +40,7 @@ def test_echoes_make_a_trace_and_unanswered_probes_are_lost(tmp_path):
             reflector.close()
 
     try:
-        settings = RecordSettings(connect=[endpoint], rate_hz=50, size=200, duration=1.5, wait=0.2)
+        settings = RecordSettings(connect=[endpoint], rate_hz=50, size=200, duration=1.5, wait=1.0)
         trace = record(settings, SystemClock(), on_progress=progress)
     finally:
         if not reflected.is_set():
