@@ -66,6 +66,8 @@ def run_demo(
         if trajectory
         else None
     )
+    if operator is not None and operator.notice:
+        console.print(operator.notice, style="yellow", markup=False)
     print_outcome(summary, folder, figure, console, as_json=as_json, network=read_json(folder / NETEM))
     return summary.exit_code if why != INTERRUPTED else 1
 

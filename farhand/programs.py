@@ -3,6 +3,7 @@
 `farhand netem` is in netem_commands.py.
 """
 
+import os
 import secrets
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -39,6 +40,7 @@ class OperatorResult(msgspec.Struct, frozen=True, kw_only=True):
     lateness_p99: float
     has_realtime_priority: bool
     solver: str
+    notice: str
     series: list[tuple[float, float | None, float, float, float | None]]
     last_report: ControlReport | None
 
@@ -139,6 +141,7 @@ def operator_program(
             lateness_p99=outcome.lateness_p99,
             has_realtime_priority=outcome.has_realtime_priority,
             solver=solver,
+            notice=notice,
             series=series,
             last_report=tally.last,
         )
@@ -171,5 +174,12 @@ def robot_program(
 
 def check_writable(path: Path | None, option: str) -> None:
     """Raise InputError unless a file can be written there."""
-    if path is not None and not path.resolve().parent.is_dir():
-        raise InputError(f"{option} {path}: there is no folder {path.resolve().parent}")
+    if path is None:
+        return
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise InputError(f"{option} {path}: there is no folder {folder}")
+    if path.is_dir():
+        raise InputError(f"{option} {path}: is a folder; expected a file")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise InputError(f"{option} {path}: cannot be written: permission denied")
