@@ -22,7 +22,7 @@ class CodecError(FarhandError):
     """A payload was refused.
 
     Attributes:
-        reason: one word: length, malformed, checksum, schema, unknown-field, type or non-finite.
+        reason: one word: length, malformed, checksum, schema, unknown-field, non-finite or type.
     """
 
     def __init__(self, reason: str, detail: str) -> None:
@@ -100,7 +100,8 @@ def _validation_reason(text: str, payload: bytes) -> str:
     """The one word for a validation error; a foreign schema version explains all else."""
     try:
         found = msgspec.msgpack.decode(payload)
-    except (msgspec.DecodeError, ValueError, RecursionError):
+        finite = _finite(found)
+    except (msgspec.DecodeError, ValueError, TypeError, RecursionError):
         return "malformed"
     if isinstance(found, dict) and found.get("schema", SCHEMA) != SCHEMA:
         return "schema"
@@ -108,11 +109,11 @@ def _validation_reason(text: str, payload: bytes) -> str:
         return "unknown-field"
     if "length" in text:
         return "length"
-    return "type"
+    return "type" if finite else "non-finite"
 
 
 def _non_finite_field(message: Message) -> str | None:
-    """Name of a field that holds NaN (infinities fail the range check of the type), or None."""
+    """Name of a field that holds a number that is not finite, or None."""
     for name in message.__struct_fields__:
         if not _finite(getattr(message, name)):
             return name
@@ -122,7 +123,7 @@ def _non_finite_field(message: Message) -> str | None:
 def _finite(value: object) -> bool:
     if isinstance(value, float):
         return math.isfinite(value)
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         return all(map(_finite, value))
     if isinstance(value, msgspec.Struct):
         return all(_finite(getattr(value, name)) for name in value.__struct_fields__)

@@ -4,6 +4,7 @@ SI units throughout (m, s, m/s, rad); `_hz` names a rate.
 """
 
 import math
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -193,7 +194,7 @@ class Scenario(_Section, frozen=True, kw_only=True):
 def load_scenario(name_or_path: str) -> Scenario:
     """A built-in scenario by name, or one from a TOML file; raises ScenarioError with one clear line."""
     path = Path(name_or_path)
-    if path.suffix == ".toml" or (path.exists() and path.is_file()):
+    if path.suffix == ".toml" or os.path.isfile(path):  # Path.is_file raises for a name that is too long
         try:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
@@ -215,7 +216,7 @@ def parse_scenario(text: str, where: str) -> Scenario:
     """A scenario from TOML text; `where` names the source in errors."""
     try:
         table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise ScenarioError(f"scenario {where}: not valid TOML: {error}") from None
     return scenario_from_table(table, where)
 

@@ -23,6 +23,7 @@ from farhand.options import (
     SetOption,
     SolverOption,
     TimeLimitOption,
+    TimelineOption,
     UplinkOption,
     chosen_scenario,
     split_network,
@@ -61,6 +62,7 @@ def demo(
     settings: SetOption = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = 90.0,
+    timeline: TimelineOption = None,
     out: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -73,7 +75,14 @@ def demo(
     chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
     up, down = split_network(network, uplink, downlink)
     code = run_demo(
-        chosen, uplink=up, downlink=down, seed=seed, time_limit=time_limit, out=out, as_json=as_json
+        chosen,
+        uplink=up,
+        downlink=down,
+        seed=seed,
+        time_limit=time_limit,
+        timeline=timeline,
+        out=out,
+        as_json=as_json,
     )
     raise typer.Exit(code)
 
@@ -93,6 +102,7 @@ def simulate(
     computing_time: Annotated[
         float, typer.Option(min=0.0, max=1000.0, help="Modelled computing time of a control tick, ms.")
     ] = 20.0,
+    timeline: TimelineOption = None,
     out: OutOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -108,6 +118,7 @@ def simulate(
         seed=seed,
         time_limit=time_limit,
         computing_time=computing_time / 1000.0,
+        timeline=timeline,
         out=out,
         as_json=as_json,
     )
@@ -129,7 +140,7 @@ def operator(
     ] = "",
     seed: SeedOption = 0,
     time_limit: Annotated[
-        float | None, typer.Option(min=0.1, help="Give up this long after the first motion, s.")
+        float | None, typer.Option(min=0.1, max=1e6, help="Give up this long after the first motion, s.")
     ] = None,
     record: Annotated[
         Path | None, typer.Option(help="Record what arrives and what is decided, for `farhand replay`.")
@@ -243,6 +254,9 @@ def run(arguments: list[str] | None = None) -> int:
     except typer.Abort:
         return 130
     except UsageError as error:
+        if type(error).__name__ == "NoArgsIsHelpError":
+            error.show()  # type: ignore[attr-defined]
+            return 2
         return _refuse(_usage(error))
     except InputError as error:
         return _refuse(f"farhand: {error}")

@@ -72,6 +72,8 @@ def summarise_folder(
         rtt = (operator.rtt_mean, operator.rtt_std)
         if not finished and not why:
             why = _why(operator, len(scenario.targets))
+    else:
+        why = why or "the operator's program left no result"
     if not robot:
         why = why or "the robot's program left no result"
     return summarise(

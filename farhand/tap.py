@@ -6,6 +6,7 @@ import sys
 import msgpack
 import zenoh
 
+from common.errors import InputError
 from common.zenoh_link import check_endpoint, open_session
 from farhand.process import PeerWatch, stop_event_on_signals
 
@@ -21,6 +22,11 @@ def describe(payload: bytes) -> str:
 def run_tap(endpoint: str, key: str, count: int | None) -> int:
     """Print what travels under `key` at `endpoint` until Ctrl-C or `count` messages."""
     check_endpoint(endpoint)
+    try:
+        zenoh.KeyExpr(key)
+    except zenoh.ZError as error:
+        what = str(error).splitlines()[0].partition(" at /")[0]
+        raise InputError(f"--key {key!r}: not a Zenoh key expression: {what}") from None
     stop_event = stop_event_on_signals()
     waiting: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
     session = open_session([endpoint])
