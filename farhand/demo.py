@@ -25,6 +25,7 @@ from farhand.run_folder import (
     write_scenario,
 )
 from farhand.summary import write_summary
+from netem.timeline import load_timeline
 from robot_side.registry import make_robot
 
 INTERRUPTED = "interrupted"
@@ -38,11 +39,14 @@ def run_demo(
     downlink: str,
     seed: int,
     time_limit: float,
+    timeline: str | None,
     out: Path | None,
     as_json: bool,
 ) -> int:
     """Run the demo; returns its exit code: 0 safe and finished, 1 otherwise."""
     make_robot(scenario).close()  # raises now, in one line, if the robot cannot stand at the start
+    if timeline:
+        load_timeline(timeline)
     folder = make_run_folder(out, scenario.name)
     stop_event = stop_event_on_signals()
     console = Console(file=sys.stderr if as_json else sys.stdout)
@@ -54,6 +58,7 @@ def run_demo(
         downlink=downlink,
         seed=seed,
         time_limit=time_limit,
+        timeline=timeline,
         stop_event=stop_event,
         view=StatusView(f"{scenario.name} over {network}, margin {scenario.margin.kind}", console),
     )
@@ -80,6 +85,7 @@ def _run_programs(
     downlink: str,
     seed: int,
     time_limit: float,
+    timeline: str | None,
     stop_event: threading.Event,
     view: StatusView,
 ) -> str:
@@ -100,6 +106,8 @@ def _run_programs(
             str(folder / NETEM),
         ]
         emulated = ["--uplink", uplink, "--downlink", downlink, "--seed", str(seed)]
+        if timeline:
+            emulated += ["--timeline", timeline]
         task = ["--scenario", settings, "--robot", name]
         reporting = ["--report", report, "--seed", str(seed), "--time-limit", str(time_limit)]
         files = ["--record", str(folder / RECORDING), "--result", str(folder / OPERATOR)]

@@ -58,6 +58,7 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
         if summary.min_arm_clearance is not None:
             clearance += f", whole arm {summary.min_arm_clearance * 1e3:.1f} mm"
     refused = f"{summary.refused} ({count_reasons(summary.refused_by.items())})" if summary.refused else "0"
+    counts = f"intervened in {summary.interventions} of {summary.ticks} ticks"
     return [
         ("clearance", clearance),
         ("targets", f"{summary.targets_reached} of {summary.targets} in {summary.duration:.1f} s"),
@@ -67,7 +68,7 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
         ),
         (
             "filter",
-            f"intervened in {summary.interventions} of {summary.ticks} ticks, no plan in {summary.infeasible}",
+            f"{counts}, no plan in {summary.infeasible}; {summary.controller}, solver {summary.solver}",
         ),
         ("robot", f"{summary.stops} stops, refused commands: {refused}"),
     ]

@@ -21,6 +21,7 @@ def run_simulation(
     seed: int,
     time_limit: float,
     computing_time: float,
+    timeline: str | None,
     out: Path | None,
     as_json: bool,
 ) -> int:
@@ -34,6 +35,7 @@ def run_simulation(
         seed=seed,
         time_limit=time_limit,
         computing_time=computing_time,
+        timeline=timeline,
         keep_reports=True,
         record_to=folder / RECORDING,
     )

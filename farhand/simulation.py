@@ -70,6 +70,7 @@ def simulate(
     keep_reports: bool = False,
     record_to: Path | None = None,
     digest: bool = False,
+    timeline: str | None = None,
 ) -> SimulationResult:
     """Run one task in virtual time.
 
@@ -82,6 +83,7 @@ def simulate(
         keep_reports: keep every ControlReport.
         record_to: file for a recording that can be replayed.
         digest: hash every message.
+        timeline: TOML file of changes of the network at given times.
     """
     uplink = scenario.network.uplink if uplink is None else uplink
     downlink = scenario.network.downlink if downlink is None else downlink
@@ -93,7 +95,7 @@ def simulate(
     if digest:
         _hash_traffic(operator_end, hasher.update)
     robot = make_robot_node(scenario, robot_end, name, session_of(seed, "robot"))
-    netem = make_netem(netem_operator_end, netem_robot_end, uplink, downlink, seed)
+    netem = make_netem(netem_operator_end, netem_robot_end, uplink, downlink, seed, timeline)
     session = session_of(seed, "operator")
     controller = make_controller(scenario.controller)
     controller.prepare()

@@ -9,6 +9,7 @@ from common.scenario import Scenario
 from common.seeds import stream
 from netem.netem_node import NetemNode
 from netem.spec import parse_spec
+from netem.timeline import load_timeline
 from operator_side.control.controller import Controller
 from operator_side.operator_node import OperatorNode
 from operator_side.steering.tester import Tester
@@ -33,9 +34,13 @@ def make_operator(
     return OperatorNode(scenario, controller, Tester(scenario.operator), link, name, session, stopwatch)
 
 
-def make_netem(operator_link: Link, robot_link: Link, uplink: str, downlink: str, seed: int) -> NetemNode:
-    """The emulated network between two links, from SPECs."""
-    return NetemNode(operator_link, robot_link, parse_spec(uplink), parse_spec(downlink), seed)
+def make_netem(
+    operator_link: Link, robot_link: Link, uplink: str, downlink: str, seed: int, timeline: str | None = None
+) -> NetemNode:
+    """The emulated network between two links, from SPECs and the file of a timeline of changes."""
+    schedule = load_timeline(timeline) if timeline else None
+    specs = parse_spec(uplink), parse_spec(downlink)
+    return NetemNode(operator_link, robot_link, *specs, seed, schedule=schedule)
 
 
 def make_robot_node(scenario: Scenario, link: Link, name: str, session: int) -> RobotNode:
