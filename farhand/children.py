@@ -1,40 +1,16 @@
-"""Child processes that never outlive their parent, and free ports for them to meet at."""
+"""Child processes that never outlive their parent."""
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from common.clock import SystemClock, to_ns
-from common.errors import EndpointError
 from farhand.process import PARENT_VARIABLE
 
 PATIENCE = 1.5
-LOW_PORT, HIGH_PORT = 20_000, 32_000
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports on loopback that nobody listens on now, below the range from which clients draw theirs."""
-    generator = np.random.default_rng()
-    found: list[int] = []
-    for _ in range(1000):
-        port = int(generator.integers(LOW_PORT, HIGH_PORT))
-        if port in found:
-            continue
-        with socket.socket() as probe:
-            try:
-                probe.bind(("127.0.0.1", port))
-            except OSError:
-                continue
-        found.append(port)
-        if len(found) == count:
-            return found
-    raise EndpointError(f"no {count} free ports on 127.0.0.1 between {LOW_PORT} and {HIGH_PORT}")
 
 
 class Children:

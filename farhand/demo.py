@@ -7,8 +7,9 @@ from pathlib import Path
 from rich.console import Console
 
 from common.clock import SystemClock
+from common.ports import free_ports
 from common.scenario import Scenario
-from farhand.children import Children, free_ports
+from farhand.children import Children
 from farhand.figure import draw_run
 from farhand.live_status import ReportReader, StatusView
 from farhand.outcome import print_outcome

@@ -11,7 +11,6 @@ logs every message. Then, for each direction:
 """
 
 import json
-import socket
 import subprocess
 import sys
 import tempfile
@@ -21,24 +20,20 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 import zenoh
-from numpy.typing import NDArray
-from scipy.stats import ks_2samp
 
 from common.clock import SystemClock, to_ns
 from common.errors import EndpointError, FarhandError
-from common.link import Packet
+from common.ports import free_ports
 from common.zenoh_link import open_session
-from netem.chain import Chain
+from netem.check_judgement import judge
 from netem.control import ask
 from netem.message_log import read_log
-from netem.spec import Spec, parse_spec
+from netem.spec import parse_spec
 
 KEYS = {"uplink": "farhand/check/command", "downlink": "farhand/check/state"}
 START_TIMEOUT = 15.0
 DRAIN_TIMEOUT = 90.0
-MIN_KS_SAMPLES = 20
 
 
 class CheckError(FarhandError):
@@ -94,7 +89,7 @@ def run_check(settings: CheckSettings) -> dict[str, Any]:
     origin_ns = int(rows["arrived_ns"].min()) if len(rows) else 0
     for name, spec in specs.items():
         mine = rows[(rows["direction"] == name) & (rows["key"] == KEYS[name])]
-        result[name] = _judge(mine, spec, settings.seed, name, origin_ns, sent[name], arrived[name])
+        result[name] = judge(mine, spec, settings.seed, name, origin_ns, sent[name], arrived[name])
     result["passed"] = bool(
         result["conserved"] and all(result[n]["accounted"] and result[n]["replays"] for n in specs)
     )
@@ -170,25 +165,6 @@ def stop_proxy(process: subprocess.Popen[str]) -> None:
         raise CheckError(errors.strip() or f"the proxy ended with code {process.returncode}")
 
 
-def free_ports(count: int) -> list[int]:
-    """Ports on loopback that were free a moment ago, below the range of outgoing connections."""
-    found: list[int] = []
-    sockets: list[socket.socket] = []
-    port = 20_000 + (SystemClock().now_ns() // 1000) % 10_000
-    while len(found) < count:
-        candidate = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        try:
-            candidate.bind(("127.0.0.1", port))
-            found.append(port)
-            sockets.append(candidate)
-        except OSError:
-            candidate.close()
-        port = 20_000 + (port + 1 - 20_000) % 12_000
-    for each in sockets:
-        each.close()
-    return found
-
-
 def _run(settings: CheckSettings, log: Path, stats: Path) -> tuple[dict[str, int], dict[str, list[int]]]:
     """Run the traffic; numbers sent, and those that arrived in order of arrival, by direction."""
     endpoints = [f"tcp/127.0.0.1:{port}" for port in settings.ports or free_ports(3)]
@@ -250,114 +226,3 @@ def _drain(ends: Sequence[_End], control: str) -> None:
         statistics = ask(control, {"do": "show"})["statistics"]
         if not statistics["uplink"]["queued"] and not statistics["downlink"]["queued"]:
             return
-
-
-def _judge(
-    rows: NDArray[np.void],
-    spec: Spec,
-    seed: int,
-    direction: str,
-    origin_ns: int,
-    sent: int,
-    arrived: list[int],
-) -> dict[str, Any]:
-    """The findings of one direction."""
-    delivered = rows[rows["achieved_ns"] >= 0]
-    taken = int(np.sum(rows["copy"] == 0))
-    lost = {str(c): int(n) for c, n in zip(*np.unique(rows["fate"], return_counts=True), strict=True)}
-    lost.pop("delivered", None)
-    achieved, drawn = delivered["achieved_ns"] * 1e-9, delivered["drawn_ns"] * 1e-9
-    assigned = delivered["assigned_ns"] * 1e-9
-    originals = np.sort(rows[rows["copy"] == 0], order="ordinal")
-    replayed = _virtual(originals, spec, seed, direction, origin_ns)
-    reference = _virtual(originals, spec, seed + 1, direction, origin_ns)
-    expected = reference["assigned_ns"][reference["fate"] == "delivered"] * 1e-9
-    same = bool(
-        len(replayed) == len(rows)
-        and np.array_equal(_ordered(replayed)["fate"], _ordered(rows)["fate"])
-        and np.array_equal(_ordered(replayed)["assigned_ns"], _ordered(rows)["assigned_ns"])
-    )
-    found: dict[str, Any] = {
-        "spec": str(spec),
-        "sent": sent,
-        "taken_in": taken,
-        "duplicated": len(rows) - taken,
-        "lost_as_drawn": lost,
-        "delivered": len(delivered),
-        "arrived": len(arrived),
-        "accounted": sent == taken and len(delivered) == len(arrived) and sent > 0,
-        "reordered_as_drawn": _overtaken(_by_release(delivered)),
-        "reordered_on_arrival": _overtaken(arrived),
-        "drawn": _describe(drawn),
-        "assigned": _describe(assigned),
-        "achieved": _describe(achieved),
-        "error": _describe(np.maximum(0.0, achieved - assigned)),
-        "replays": same,
-    }
-    if len(achieved) >= MIN_KS_SAMPLES and len(expected) >= MIN_KS_SAMPLES:
-        test = ks_2samp(achieved, expected)
-        found["ks"] = {"statistic": float(test.statistic), "p": float(test.pvalue), "n": len(achieved)}
-    return found
-
-
-def _virtual(
-    originals: NDArray[np.void], spec: Spec, seed: int, direction: str, origin_ns: int
-) -> NDArray[np.void]:
-    """The rows that the same arrivals give in virtual time."""
-    chain = Chain(spec, seed, direction)
-    offset_ns = 3_600_000_000_000 - origin_ns  # times on the wire are positive
-    chain.start(origin_ns + offset_ns)
-    rows = []
-    for original in originals:
-        arrived_ns = int(original["arrived_ns"]) + offset_ns
-        packet = Packet(str(original["key"]), bytes(int(original["size"])), arrived_ns)
-        for transit in chain.offer(packet, arrived_ns):
-            assigned_ns = transit.release_ns - arrived_ns
-            rows.append(
-                (
-                    direction,
-                    packet.key,
-                    transit.ordinal,
-                    int(transit.is_copy),
-                    transit.size,
-                    int(original["arrived_ns"]),
-                    transit.delay_ns,
-                    assigned_ns,
-                    -1 if transit.cause else assigned_ns,
-                    transit.cause or "delivered",
-                )
-            )
-    return np.array(rows, dtype=originals.dtype)
-
-
-def _ordered(rows: NDArray[np.void]) -> NDArray[np.void]:
-    return np.sort(rows, order=["ordinal", "copy"])
-
-
-def _by_release(rows: NDArray[np.void]) -> list[int]:
-    """Ordinals in the order in which they were to be released."""
-    order = np.argsort(rows["arrived_ns"] + rows["assigned_ns"], kind="stable")
-    found: list[int] = rows["ordinal"][order].tolist()
-    return found
-
-
-def _overtaken(numbers: Sequence[int]) -> int:
-    """How many come after a larger one."""
-    newest, count = -1, 0
-    for number in numbers:
-        if number < newest:
-            count += 1
-        newest = max(newest, number)
-    return count
-
-
-def _describe(values: NDArray[np.float64]) -> dict[str, float]:
-    if not len(values):
-        return dict.fromkeys(("mean", "std", "p50", "p99", "max"), 0.0)
-    return {
-        "mean": float(values.mean()),
-        "std": float(values.std()),
-        "p50": float(np.percentile(values, 50)),
-        "p99": float(np.percentile(values, 99)),
-        "max": float(values.max()),
-    }

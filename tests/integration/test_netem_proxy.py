@@ -13,8 +13,9 @@ import zenoh
 from common.clock import SystemClock
 from common.errors import EndpointError, InputError
 from common.executor import RealtimeExecutor
+from common.ports import free_ports
 from common.zenoh_link import open_session
-from netem.check import CheckSettings, free_ports, run_check, start_proxy, stop_proxy
+from netem.check import CheckSettings, run_check, start_proxy, stop_proxy
 from netem.control import ask
 from netem.netem_node import NetemNode
 from netem.proxy import Proxy

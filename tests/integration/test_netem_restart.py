@@ -6,8 +6,9 @@ import threading
 import pytest
 
 from common.clock import SystemClock, to_ns
+from common.ports import free_ports
 from common.scenario import load_scenario, replace_setting
-from farhand.children import Children, free_ports
+from farhand.children import Children
 from farhand.live_status import ReportReader
 from farhand.run_folder import write_scenario
 
