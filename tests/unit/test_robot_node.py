@@ -89,10 +89,10 @@ def test_garbage_is_counted_and_moves_nothing(payload):
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"velocity": (math.nan, 0.0, 0.0)}, "type"),
-        ({"velocity": (math.inf, 0.0, 0.0)}, "type"),
+        ({"velocity": (math.nan, 0.0, 0.0)}, "non-finite"),
+        ({"velocity": (math.inf, 0.0, 0.0)}, "non-finite"),
         ({"velocity": (0.0, 0.0)}, "length"),
-        ({"plan": ((0.0, math.nan, 0.0),)}, "type"),
+        ({"plan": ((0.0, math.nan, 0.0),)}, "non-finite"),
         ({"schema": 2}, "schema"),
         ({"echo": None}, "no-echo"),
     ],
