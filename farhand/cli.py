@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from common.errors import FarhandError, InputError
+from farhand.experiment_commands import register as register_experiments
 from farhand.netem_commands import netem_app
 from farhand.options import (
     ConnectOption,
@@ -41,6 +42,7 @@ app = typer.Typer(
 )
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
+register_experiments(app)
 
 # Typer carries a Click of its own and exports only some of its exceptions; all of them share this base.
 UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")

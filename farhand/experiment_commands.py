@@ -1,0 +1,83 @@
+"""The laboratory's commands: `table1`, `sweep`, `replay`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from common.clock import local_timestamp
+from common.errors import InputError
+
+if TYPE_CHECKING:
+    from farhand.experiments.pools import Pool
+
+WorkersOption = Annotated[
+    int, typer.Option(min=0, max=1024, help="Processes [default: one for each processor].")
+]
+SchedulerOption = Annotated[
+    str,
+    typer.Option(help="Run on a Dask cluster instead: address of its scheduler, such as tcp://host:8786."),
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", help="Folder for the results; a campaign in it goes on [default: runs/<time>-...]."
+    ),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as the last line, as JSON.")]
+ComputingOption = Annotated[
+    str,
+    typer.Option(help="Modelled computing time of a tick: ms, or a recorded run or text file to draw from."),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the command line."""
+    app.command()(table1)
+
+
+def table1(
+    tasks: Annotated[int, typer.Option(min=1, max=1_000_000, help="Tasks for each cell.")] = 200,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of tasks and networks.")] = 1,
+    delays: Annotated[str, typer.Option(help="Some of none,gaussian,constant,uniform.")] = (
+        "none,gaussian,constant,uniform"
+    ),
+    margins: Annotated[str, typer.Option(help="Some of none,paper,adaptive.")] = "none,paper,adaptive",
+    robot: Annotated[
+        str, typer.Option(help="Model of the box: point (first-order lag, fast) or box (PyBullet).")
+    ] = "point",
+    task: Annotated[int | None, typer.Option(min=0, help="Run this one task alone.")] = None,
+    computing_time: ComputingOption = "20",
+    workers: WorkersOption = 0,
+    scheduler: SchedulerOption = "",
+    out: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """The paper's Table I with many tasks: success rates with exact intervals, in virtual time.
+
+    Exit code 0: done. 1: a task crashed. 2: bad input. A campaign that was stopped goes on with the same
+    --out.
+    """
+    from farhand.experiments.computing_time import read_computing_time
+    from farhand.experiments.run_table1 import run_table1
+    from farhand.experiments.table1 import DELAYS, MARGINS, Table1, chosen
+
+    if robot not in ("point", "box"):
+        raise InputError(f"--robot {robot!r}: must be point or box")
+    table = Table1(
+        tasks=tasks,
+        seed=seed,
+        delays=chosen("--delays", delays, tuple(DELAYS)),
+        margins=chosen("--margins", margins, MARGINS),
+        robot="box" if robot == "box" else "point",
+        only=task,
+        computing_time=read_computing_time(computing_time),
+    )
+    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-table1"
+    raise typer.Exit(run_table1(table, _pool(workers, scheduler), folder, as_json))
+
+
+def _pool(workers: int, scheduler: str) -> "Pool":
+    from farhand.experiments.pools import DaskPool, LocalPool
+
+    return DaskPool(scheduler) if scheduler else LocalPool(workers)

@@ -1,0 +1,1 @@
+"""Campaigns in virtual time: the paper's table, sweeps, and what they have in common."""
