@@ -6,11 +6,13 @@ the desired velocity is turned outwards: along each such margin's normal n it sh
 
     v_out = min(gamma depth / dt, half the speed limit),
 
-the rate at which the discrete barrier with omega = 1 leaves the inside.
+the rate at which the discrete barrier with omega = 1 leaves the inside. All of it is scaled into the speed limits:
+a limit that cuts one axis alone would turn the velocity, and inwards as well as not.
 """
 
 import numpy as np
 
+from common.geometry import Array
 from common.scenario import ControllerSettings
 from operator_side.control.controller import ControlProblem
 
@@ -26,17 +28,24 @@ def eased(problem: ControlProblem, settings: ControllerSettings) -> ControlProbl
     if not inside.any():
         return None
     fastest = 0.5 * min(settings.speed_limit)
-    desired = problem.desired.copy()
+    limits = np.array(settings.speed_limit)
+    desired = _within(problem.desired, limits)
     for j in sorted(np.flatnonzero(inside), key=lambda k: gaps[k] - reach[k], reverse=True):
         normal = away[j] / gaps[j]
         wanted = min(settings.gamma * (reach[j] - gaps[j]) / settings.period, fastest)
         wanted += float(normal @ problem.velocities[j])
-        desired += normal * max(0.0, wanted - float(normal @ desired))
+        desired = desired + normal * max(0.0, wanted - float(normal @ desired))
     return ControlProblem(
         position=problem.position,
-        desired=desired,
+        desired=_within(desired, limits),
         centres=problem.centres,
         radii=np.where(inside, gaps * JUST_OUTSIDE, problem.radii),
         velocities=problem.velocities,
         sigmas=np.where(inside, 0.0, problem.sigmas),
     )
+
+
+def _within(velocity: Array, limits: Array) -> Array:
+    """The velocity, scaled down until no axis exceeds its limit (m/s)."""
+    scaled: Array = velocity / max(1.0, float(np.max(np.abs(velocity) / limits)))
+    return scaled
