@@ -7,6 +7,7 @@ import typer
 
 from common.clock import local_timestamp
 from common.errors import InputError
+from farhand.options import MarginOption, PredictorOption, SetOption, SolverOption, parse_setting
 
 if TYPE_CHECKING:
     from farhand.experiments.pools import Pool
@@ -34,6 +35,8 @@ ComputingOption = Annotated[
 def register(app: typer.Typer) -> None:
     """Add the commands to the command line."""
     app.command()(table1)
+    app.command()(sweep)
+    app.command()(replay)
 
 
 def table1(
@@ -75,6 +78,53 @@ def table1(
     )
     folder = out if out is not None else Path("runs") / f"{local_timestamp()}-table1"
     raise typer.Exit(run_table1(table, _pool(workers, scheduler), folder, as_json))
+
+
+def sweep(
+    file: Annotated[Path, typer.Argument(help="TOML file: scenario, network, seeds and a grid of values.")],
+    workers: WorkersOption = 0,
+    scheduler: SchedulerOption = "",
+    out: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Vary any setting of a scenario or a network over a grid and seeds; one table as CSV and Parquet.
+
+    Exit code 0: done. 1: a run crashed. 2: bad input. A sweep that was stopped goes on with the same --out.
+    """
+    from farhand.experiments.run_sweep import run_sweep
+    from farhand.experiments.sweep import Sweep
+
+    read = Sweep(file)
+    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-{read.file.name}"
+    raise typer.Exit(run_sweep(read, _pool(workers, scheduler), folder, as_json))
+
+
+def replay(
+    run: Annotated[Path, typer.Argument(help="A run's folder, or its run.mcap.")],
+    margin: MarginOption = None,
+    predictor: PredictorOption = None,
+    solver: SolverOption = None,
+    settings: SetOption = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Write a line a tick to this CSV file.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Feed a recorded run through the controller again: the decisions must be identical to the byte.
+
+    With --margin, --predictor, --solver or --set: what another controller would have decided on the same
+    input. Exit code 0: identical, or compared. 1: not identical. 2: bad input.
+    """
+    from farhand.replay_command import run_replay
+
+    replaced: dict[str, object] = {}
+    for key, value in (
+        ("margin.kind", margin),
+        ("operator.predictor", predictor),
+        ("controller.solver", solver),
+    ):
+        if value is not None:
+            replaced[key] = value
+    replaced |= dict(parse_setting(setting) for setting in settings or [])
+    raise typer.Exit(run_replay(run, replaced, out, as_json))
 
 
 def _pool(workers: int, scheduler: str) -> "Pool":

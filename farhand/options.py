@@ -57,6 +57,17 @@ ListenOption = Annotated[
     list[str] | None, typer.Option(help="Zenoh endpoint to listen on, e.g. tcp/127.0.0.1:7447; repeatable.")
 ]
 RobotOption = Annotated[str, typer.Option("--robot", help="Name of the robot, part of its keys.")]
+TlsOption = Annotated[
+    str,
+    typer.Option(
+        "--tls",
+        metavar="DIR",
+        help="Certificate folder of this program (`farhand certs`): TLS on every link.",
+    ),
+]
+InsecureOption = Annotated[
+    bool, typer.Option("--insecure", help="Listen beyond this host without TLS: anybody may move the robot.")
+]
 RealtimeOption = Annotated[
     bool, typer.Option("--realtime/--no-realtime", help="Ask for the SCHED_FIFO real-time scheduler.")
 ]
@@ -82,11 +93,16 @@ def chosen_scenario(
             raise InputError(f"{option} {value!r}: must be one of {', '.join(known)}")
         scenario = replace_setting(scenario, key, value)
     for setting in settings or []:
-        key, separator, text = setting.partition("=")
-        if not separator or not key.strip():
-            raise InputError(f"--set {setting!r}: expected KEY=VALUE such as controller.gamma=0.3")
-        scenario = replace_setting(scenario, key.strip(), parse_value(text.strip()))
+        scenario = replace_setting(scenario, *parse_setting(setting))
     return scenario
+
+
+def parse_setting(setting: str) -> tuple[str, object]:
+    """Key and value of `controller.gamma=0.3`; raises InputError."""
+    key, separator, text = setting.partition("=")
+    if not separator or not key.strip():
+        raise InputError(f"--set {setting!r}: expected KEY=VALUE such as controller.gamma=0.3")
+    return key.strip(), parse_value(text.strip())
 
 
 def parse_value(text: str) -> object:

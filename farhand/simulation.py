@@ -17,8 +17,10 @@ from common.scenario import Scenario, scenario_to_table
 from common.virtual_executor import Priority, VirtualExecutor
 from farhand.summary import RunSummary, Tally, summarise
 from farhand.wiring import make_netem, make_operator, make_robot_node, session_of, versions
+from operator_side.control.controller import Controller
 from operator_side.control.registry import make_controller
 from operator_side.operator_node import OperatorNode
+from robot_side.robot import Robot
 
 COMPUTING_TIME = 0.02
 """Modelled duration of a control tick (s): zero would flatter the controller."""
@@ -71,6 +73,8 @@ def simulate(
     record_to: Path | None = None,
     digest: bool = False,
     timeline: str | None = None,
+    controller: Controller | None = None,
+    robot: Robot | None = None,
 ) -> SimulationResult:
     """Run one task in virtual time.
 
@@ -84,6 +88,7 @@ def simulate(
         record_to: file for a recording that can be replayed.
         digest: hash every message.
         timeline: TOML file of changes of the network at given times.
+        controller, robot: in place of the scenario's; fresh, as they keep state.
     """
     uplink = scenario.network.uplink if uplink is None else uplink
     downlink = scenario.network.downlink if downlink is None else downlink
@@ -94,10 +99,10 @@ def simulate(
     hasher = hashlib.sha256()
     if digest:
         _hash_traffic(operator_end, hasher.update)
-    robot = make_robot_node(scenario, robot_end, name, session_of(seed, "robot"))
+    robot_node = make_robot_node(scenario, robot_end, name, session_of(seed, "robot"), robot)
     netem = make_netem(netem_operator_end, netem_robot_end, uplink, downlink, seed, timeline)
     session = session_of(seed, "operator")
-    controller = make_controller(scenario.controller)
+    controller = make_controller(scenario.controller) if controller is None else controller
     controller.prepare()
     operator = make_operator(scenario, operator_end, name, session, controller)
     recorder = _recorder(record_to, scenario, name, session, seed)
@@ -109,7 +114,7 @@ def simulate(
         if keep_reports:
             reports.append(report)
 
-    executor.add(robot, Priority.ROBOT)
+    executor.add(robot_node, Priority.ROBOT)
     executor.add(netem, Priority.NETEM)
     executor.add(_TallyingOperator(operator, look), Priority.OPERATOR, _cost(computing_time))
     for link in (netem_operator_end, netem_robot_end):
@@ -127,7 +132,7 @@ def simulate(
         uplink=uplink,
         downlink=downlink,
         tally=tally,
-        robot=robot.summary(),
+        robot=robot_node.summary(),
         finished=operator.finished,
         duration=to_seconds(end_ns - since) if since is not None else 0.0,
         rtt=operator.round_trip.overall(),
@@ -135,7 +140,7 @@ def simulate(
         real_time=False,
         why="" if operator.finished else _why(tally, time_limit),
     )
-    return SimulationResult(summary, robot.trajectory, hasher.hexdigest(), netem.statistics(), reports)
+    return SimulationResult(summary, robot_node.trajectory, hasher.hexdigest(), netem.statistics(), reports)
 
 
 def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int) -> int:

@@ -12,8 +12,10 @@ from netem.spec import parse_spec
 from netem.timeline import load_timeline
 from operator_side.control.controller import Controller
 from operator_side.operator_node import OperatorNode
+from operator_side.steering.device import SteeringDevice
 from operator_side.steering.tester import Tester
 from robot_side.registry import make_robot
+from robot_side.robot import Robot
 from robot_side.robot_node import RobotNode
 
 
@@ -29,9 +31,11 @@ def make_operator(
     session: int,
     controller: Controller,
     stopwatch: Callable[[], float] | None = None,
+    device: SteeringDevice | None = None,
 ) -> OperatorNode:
-    """The operator's node with the paper's tester; `controller` is prepared already."""
-    return OperatorNode(scenario, controller, Tester(scenario.operator), link, name, session, stopwatch)
+    """The operator's node with the paper's tester or another device; `controller` is prepared already."""
+    device = Tester(scenario.operator) if device is None else device
+    return OperatorNode(scenario, controller, device, link, name, session, stopwatch)
 
 
 def make_netem(
@@ -43,9 +47,11 @@ def make_netem(
     return NetemNode(operator_link, robot_link, *specs, seed, schedule=schedule)
 
 
-def make_robot_node(scenario: Scenario, link: Link, name: str, session: int) -> RobotNode:
-    """The robot's node with the scenario's robot."""
-    return RobotNode(scenario, make_robot(scenario), link, name, session)
+def make_robot_node(
+    scenario: Scenario, link: Link, name: str, session: int, robot: Robot | None = None
+) -> RobotNode:
+    """The robot's node with the scenario's robot, or with another one."""
+    return RobotNode(scenario, make_robot(scenario) if robot is None else robot, link, name, session)
 
 
 def versions() -> dict[str, str]:

@@ -103,6 +103,14 @@ class OperatorNode:
         assert self._ticks.next_ns is not None
         return self._ticks.next_ns
 
+    def correct(self, command: VelocityCommand) -> None:
+        """Note what really was sent with the newest sequence number: a replay of another controller's run
+        must predict from the commands that the robot got."""
+        decided = self._history.get(command.seq)
+        if decided is not None:
+            velocities = (command.velocity, *command.plan)
+            self._history.add(command.seq, decided.t_sent_ns, self._period, velocities, decided.predicted)
+
     def release(self, now_ns: int) -> None:
         """Give control up; the last command of a session."""
         self._seq += 1

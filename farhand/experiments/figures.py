@@ -27,7 +27,7 @@ def draw_table1(table: Table1, rows: Sequence[Row], folder: Path) -> list[Path]:
     import matplotlib.pyplot as plt
 
     good = [row for row in rows if not row.error]
-    if not good:
+    if not any(row.min_clearance is not None for row in good):
         return []
     delay, index = telling_task(table, good)
     runs = {margin: _path(table, delay, margin, index) for margin in table.margins}
@@ -186,13 +186,19 @@ def _boxes(plt: Any, table: Table1, rows: Sequence[Row]) -> Any:
                 capprops={"color": colour},
             )
             spread = place + scatter.uniform(-0.25, 0.25, len(values)) * width
-            axes.plot(spread, values, ".", color=colour, ms=2.2, alpha=0.7, mew=0, zorder=3)
+            axes.plot(spread, values, ".", color=colour, ms=3.0, alpha=0.7, mew=0, zorder=3)
             tops.append(float(np.quantile(values, 0.98)))
     d_min = 10.0
-    low = min(0.0, min(row.min_clearance or 0.0 for row in rows) * 1e3 - 5.0)
-    axes.axhspan(low, d_min, color=RED, alpha=0.15, lw=0)
+    low = min(row.min_clearance * 1e3 for row in rows if row.min_clearance is not None)
+    if low > 1.0:  # the interesting end is the small one
+        axes.set_yscale("log")
+        ticks = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
+        axes.set_yticks(ticks, list(map(str, ticks)))
+        axes.minorticks_off()
+    bottom = min(7.0, low * 0.8) if low > 1.0 else low - 10.0
+    axes.axhspan(bottom, d_min, color=RED, alpha=0.15, lw=0)
     axes.axhline(d_min, color=RED, lw=0.8, ls=":")
-    axes.set_ylim(low, max(tops, default=100.0) * 1.08)
+    axes.set_ylim(bottom, max(tops) * 1.15)
     axes.set_xticks(range(len(table.delays)), [_delay_name(delay) for delay in table.delays])
     axes.set_xlim(-0.5, len(table.delays) - 0.5)
     axes.set_ylabel("smallest clearance of a task (mm)")
