@@ -199,6 +199,33 @@ def robot(
 
 
 @app.command()
+def summarise(
+    folder: Annotated[Path, typer.Argument(help="Folder with operator.json, netem.json, robot.json.")],
+    scenario: ScenarioOption = "ur5-obstacle",
+    network: NetworkOption = "5g-urban",
+    uplink: UplinkOption = "",
+    downlink: DownlinkOption = "",
+    margin: MarginOption = None,
+    predictor: PredictorOption = None,
+    solver: SolverOption = None,
+    settings: SetOption = None,
+    seed: SeedOption = 0,
+    why: Annotated[str, typer.Option(help="What went wrong, where the files cannot say it.")] = "",
+    as_json: JsonOption = False,
+) -> None:
+    """Summary and figure of a run whose programs ran on hosts of their own; options as in that run.
+
+    Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
+    """
+    from farhand.summarise_command import run_summarise
+
+    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    up, down = split_network(network, uplink, downlink)
+    code = run_summarise(folder, chosen, uplink=up, downlink=down, seed=seed, why=why, as_json=as_json)
+    raise typer.Exit(code)
+
+
+@app.command()
 def watch(
     connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
     robot: RobotOption = "ur5",
@@ -250,7 +277,7 @@ def run(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     die_with_parent()
     try:
-        result = app(arguments, standalone_mode=False)
+        result = app(arguments, prog_name="farhand", standalone_mode=False)
     except typer.Exit as end:
         return int(end.exit_code)
     except typer.Abort:
