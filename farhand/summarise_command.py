@@ -1,0 +1,43 @@
+"""`farhand summarise`: the summary and the figure of a run whose programs left their results in a folder."""
+
+import sys
+from pathlib import Path
+
+from rich.console import Console
+
+from common.errors import InputError
+from common.scenario import Scenario
+from farhand.figure import draw_run
+from farhand.outcome import print_outcome
+from farhand.run_folder import (
+    NETEM,
+    OPERATOR,
+    ROBOT,
+    read_json,
+    read_operator_result,
+    summarise_folder,
+    write_scenario,
+)
+from farhand.summary import write_summary
+
+
+def run_summarise(
+    folder: Path, scenario: Scenario, *, uplink: str, downlink: str, seed: int, why: str, as_json: bool
+) -> int:
+    """Write `summary.json`, the scenario and the figure; returns 0 if the run was safe and finished, else 1.
+
+    Raises InputError where there is no folder, or nothing in it.
+    """
+    if not any((folder / name).is_file() for name in (OPERATOR, ROBOT)):
+        raise InputError(
+            f"{folder}: holds neither {OPERATOR} nor {ROBOT}, which the programs write at --result"
+        )
+    write_scenario(scenario, folder)
+    summary = summarise_folder(folder, scenario, seed=seed, uplink=uplink, downlink=downlink, why=why)
+    write_summary(summary, folder)
+    operator, trajectory = read_operator_result(folder), read_json(folder / ROBOT).get("trajectory", [])
+    series = operator.series if operator is not None else []
+    figure = draw_run(scenario, summary, trajectory, series, folder) if trajectory else None
+    console = Console(file=sys.stderr if as_json else sys.stdout)
+    print_outcome(summary, folder, figure, console, as_json=as_json, network=read_json(folder / NETEM))
+    return summary.exit_code
