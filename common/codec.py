@@ -121,9 +121,15 @@ def _non_finite_field(message: Message) -> str | None:
 
 
 def _finite(value: object) -> bool:
-    if isinstance(value, float):
-        return math.isfinite(value)
+    kind = type(value)
+    if kind is float:
+        return math.isfinite(value)  # type: ignore[arg-type]
+    if kind is int or kind is str or value is None:
+        return True
     if isinstance(value, tuple | list):
+        if value and kind is tuple and type(value[0]) is float:
+            # A vector. Every item is a float of bounded size, so that only NaN can spoil the sum.
+            return math.isfinite(sum(value))
         return all(map(_finite, value))
     if isinstance(value, msgspec.Struct):
         return all(_finite(getattr(value, name)) for name in value.__struct_fields__)

@@ -27,6 +27,7 @@ class _Slot:
     node: Node
     priority: Priority
     computing_time: Callable[[], int] | None
+    wake: Callable[[int], None]
     wake_ns: int | None = None
     busy_until_ns: int = 0
 
@@ -45,7 +46,7 @@ class VirtualExecutor:
 
     def add(self, node: Node, priority: Priority, computing_time: Callable[[], int] | None = None) -> None:
         """Add a node; its first step is now. `computing_time` models each step's duration (ns)."""
-        slot = _Slot(node, priority, computing_time)
+        slot = _Slot(node, priority, computing_time, lambda now_ns: self._step(slot, now_ns))
         self._wake(slot, self.clock.now_ns())
         self._slots.append(slot)
 
@@ -61,7 +62,7 @@ class VirtualExecutor:
     def call_at(self, instant_ns: int, priority: Priority, call: Callable[[int], None]) -> None:
         """Call `call(now_ns)` at the given instant."""
         self._counter += 1
-        heapq.heappush(self._heap, (instant_ns, int(priority), self._counter, call))
+        heapq.heappush(self._heap, (instant_ns, priority, self._counter, call))
 
     def run_until(self, end_ns: int, finished: Callable[[], bool] | None = None) -> None:
         """Process events up to and including `end_ns`, or until `finished()` holds after an event."""
@@ -79,7 +80,7 @@ class VirtualExecutor:
         if slot.wake_ns is not None and slot.wake_ns <= instant_ns:
             return
         slot.wake_ns = instant_ns
-        self.call_at(instant_ns, slot.priority, lambda now_ns: self._step(slot, now_ns))
+        self.call_at(instant_ns, slot.priority, slot.wake)
 
     def _step(self, slot: _Slot, now_ns: int) -> None:
         if slot.wake_ns != now_ns:
