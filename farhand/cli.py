@@ -40,9 +40,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.add_typer(netem_app, name="netem")
-app.add_typer(trace_app, name="trace")
-register_experiments(app)
 
 # Typer carries a Click of its own and exports only some of its exceptions; all of them share this base.
 UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
@@ -271,6 +268,11 @@ def networks() -> None:
         ("trace:FILE", "replays a recorded delay trace"),
     ]
     print_rows([*rows, *describe_profiles()])
+
+
+app.add_typer(netem_app, name="netem")
+app.add_typer(trace_app, name="trace")
+register_experiments(app)
 
 
 def run(arguments: list[str] | None = None) -> int:
