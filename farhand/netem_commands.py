@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from common.errors import InputError
 from netem.check import CheckSettings, run_check
 from netem.control import DEFAULT_ENDPOINT, ask
 from netem.main import NetemSettings, run_netem, stop_on_signals
@@ -58,6 +59,13 @@ def netem(
     ready_fd: Annotated[
         int, typer.Option(help="Write a line to this file descriptor once both listen.")
     ] = -1,
+    backend: Annotated[
+        str, typer.Option(help="Who emulates: message (this program) or tc (the kernel, on packets).")
+    ] = "message",
+    tc_operator: Annotated[
+        str, typer.Option(help="Network device of the operator's side [default: the endpoint's].")
+    ] = "",
+    tc_robot: Annotated[str, typer.Option(help="Network device of the robot's side.")] = "",
 ) -> None:
     """Run the emulator; without a sub-command. Ctrl-C ends it and prints what it did."""
     if context.invoked_subcommand is not None:
@@ -78,6 +86,17 @@ def netem(
         ready_file=ready_file or None,
         ready_fd=ready_fd if ready_fd >= 0 else None,
     )
+    if backend == "tc":
+        from netem.backend_tc import kernel_emulation
+
+        stop_event = stop_on_signals()
+        with kernel_emulation(settings, tc_operator, tc_robot) as forwarding:
+            run_netem(forwarding, stop_event, Console())
+        return
+    if backend != "message":
+        raise InputError(f"--backend {backend!r}: must be message or tc")
+    if tc_operator or tc_robot:
+        raise InputError("--tc-operator and --tc-robot: only with --backend tc")
     run_netem(settings, stop_on_signals(), Console())
 
 

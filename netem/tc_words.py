@@ -1,0 +1,145 @@
+"""A SPEC in the words of tc-netem: pure functions from words to the arguments of `tc qdisc`.
+
+What tc-netem has not is refused, never left out. It differs from netem in this: it acts on packets, which
+carry TCP, so that a lost one is sent again and comes late; its `corr` changes the distribution; its queue of
+LIMIT packets holds delayed packets as well as waiting ones; and it takes no seed.
+"""
+
+from typing import NamedTuple
+
+from common.errors import SpecError
+from netem.impairments.base import Word
+from netem.impairments.constant import Constant
+from netem.impairments.corrupt import Corrupt
+from netem.impairments.delay import MeanSdWord
+from netem.impairments.duplicate import Duplicate
+from netem.impairments.gaussian import Gaussian
+from netem.impairments.lognormal import LogNormal
+from netem.impairments.loss import FourState, Gilbert, Random
+from netem.impairments.pareto import Pareto
+from netem.impairments.paretonormal import ParetoNormal
+from netem.impairments.profile import ModelWord, ProfileWord
+from netem.impairments.rate import Rate
+from netem.impairments.reorder import Reorder
+from netem.impairments.replay import Empirical
+from netem.impairments.slot import Slot
+from netem.impairments.uniform import Uniform
+from netem.spec import Spec
+from netem.spec_reader import DEFAULT_QUEUE, milliseconds_text, percent_text
+from netem.tc_tables import Table, empirical_table, lognormal_table, model_of, model_table
+
+LIMIT = 10_000
+"""Packets in the queue: 200 ms of 50,000 packets a second."""
+
+_DISTRIBUTIONS: dict[type[MeanSdWord], str] = {
+    Gaussian: "normal",
+    Pareto: "pareto",
+    ParetoNormal: "paretonormal",
+}
+
+
+class KernelNetwork(NamedTuple):
+    """One direction, for tc-netem.
+
+    Attributes:
+        arguments: what follows `netem`.
+        table: a distribution that tc has not, whose file's name stands in `arguments` as TABLE.
+        in_order: whether packets must not overtake, which takes a queue of its own inside.
+    """
+
+    arguments: tuple[str, ...] = ()
+    table: Table | None = None
+    in_order: bool = False
+
+
+TABLE = "farhand"
+
+
+def kernel_network(spec: Spec, direction: str) -> KernelNetwork:
+    """The arguments that make tc-netem emulate `spec`; raises SpecError for what it cannot do."""
+    if spec.classes:
+        raise _refusal(f"{spec.classes[0][0]}[...]", "tells no kinds of messages apart")
+    arguments: list[str] = []
+    table: Table | None = None
+    in_order = False
+    for word in spec.words:
+        if isinstance(word, Reorder) and word.mode != "gap":
+            in_order = word.mode == "in-order"
+        elif isinstance(word, ProfileWord | ModelWord):
+            model = model_of(word)
+            table = model_table(model)
+            arguments += _table_arguments(table)
+            loss = 1 - (1 - model.loss) ** 0.5 if model.path == "round-trip" else model.loss
+            if loss and spec.word("loss") is not None:
+                raise _refusal(word.text(), "has one loss model, and this one has losses of its own")
+            if loss:
+                leave = 1 - loss if model.loss_burst is None else 1 / model.loss_burst
+                arguments += ["loss", "gemodel", *map(_percent, (leave * loss / (1 - loss), leave))]
+        elif isinstance(word, LogNormal | Empirical):
+            if isinstance(word, LogNormal) and word.correlation:
+                raise _refusal(word.text(), "cannot correlate draws from a table")
+            table = lognormal_table(word) if isinstance(word, LogNormal) else empirical_table(word, direction)
+            arguments += _table_arguments(table)
+        else:
+            arguments += _word_arguments(word)
+    if spec.word("reorder") is not None and "reorder" in arguments and spec.word("delay") is None:
+        raise _refusal("reorder:gap(...)", "sends some packets at once, which wants a delay for the others")
+    if not arguments:
+        return KernelNetwork()
+    return KernelNetwork(
+        ("limit", str(LIMIT), *arguments), table if table and table.entries else None, in_order
+    )
+
+
+def _word_arguments(word: Word) -> list[str]:
+    if isinstance(word, Constant):
+        return ["delay", _time(word.delay_ns)]
+    if isinstance(word, Uniform):
+        # Without a distribution the kernel draws evenly from mean - jitter to mean + jitter.
+        middle, half = (word.low_ns + word.high_ns) // 2, (word.high_ns - word.low_ns) // 2
+        return ["delay", _time(middle), *([_time(half), *_correlation(word.correlation)] if half else [])]
+    if isinstance(word, MeanSdWord) and type(word) in _DISTRIBUTIONS:
+        if not word.sd_ns:
+            return ["delay", _time(word.mean_ns)]
+        tail = [*_correlation(word.correlation), "distribution", _DISTRIBUTIONS[type(word)]]
+        return ["delay", _time(word.mean_ns), _time(word.sd_ns), *tail]
+    if isinstance(word, Random):
+        return ["loss", "random", _percent(word.probability), *_correlation(word.correlation)]
+    if isinstance(word, Gilbert):
+        return ["loss", "gemodel", *map(_percent, (word.p, word.r, word.bad, word.good))]
+    if isinstance(word, FourState):
+        return ["loss", "state", *map(_percent, (word.p13, word.p31, word.p32, word.p23, word.p14))]
+    if isinstance(word, Duplicate | Corrupt):
+        return [word.kind, _percent(word.probability), *_correlation(word.correlation)]
+    if isinstance(word, Rate):
+        if word.queue != DEFAULT_QUEUE:
+            raise _refusal(word.text(), "counts its queue in packets, not in bytes")
+        return ["rate", f"{word.bits_per_second}bit"]
+    if isinstance(word, Reorder):
+        return ["reorder", _percent(word.probability), *_correlation(word.correlation), "gap", str(word.gap)]
+    if isinstance(word, Slot):
+        count = ["packets", str(word.count)] if word.count else []
+        return ["slot", _time(word.shortest_ns), _time(word.longest_ns), *count]
+    raise _refusal(word.text(), "has nothing like it")
+
+
+def _table_arguments(table: Table) -> list[str]:
+    if not table.jitter_ns:
+        return ["delay", _time(table.mean_ns)]
+    return ["delay", _time(table.mean_ns), _time(table.jitter_ns), "distribution", TABLE]
+
+
+def _refusal(word: str, why: str) -> SpecError:
+    return SpecError(f"--backend tc: {word}: tc-netem {why}; use --backend message")
+
+
+def _time(duration_ns: int) -> str:
+    return f"{milliseconds_text(duration_ns)}ms"
+
+
+def _percent(probability: float) -> str:
+    return percent_text(probability)
+
+
+def _correlation(correlation: float) -> list[str]:
+    return [percent_text(correlation)] if correlation else []
