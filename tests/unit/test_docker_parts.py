@@ -1,0 +1,234 @@
+import importlib.util
+import os
+import signal
+import stat
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from farhand.cli import run
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCKER = ROOT / "docker"
+
+
+def load(name: str):
+    spec = importlib.util.spec_from_file_location(f"docker_{name}", DOCKER / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+part = load("part")
+slim = load("slim")
+
+ENVIRONMENT = {"NETWORK": "gaussian:50,20 loss:1%", "SEED": "3", "MARGIN": "", "SCENARIO": "ur5-obstacle"}
+
+
+def option(arguments: list[str], name: str) -> str:
+    return arguments[arguments.index(name) + 1]
+
+
+def test_each_part_meets_netem_on_its_own_side(tmp_path):
+    netem, robot, operator = (
+        part.program_arguments(role, tmp_path, ENVIRONMENT) for role in ("netem", "robot", "operator")
+    )
+    assert option(netem, "--listen-operator") == option(operator, "--connect") == "tcp/netem-operator:7447"
+    assert option(netem, "--listen-robot") == option(robot, "--connect") == "tcp/netem-robot:7448"
+    assert option(netem, "--network") == "gaussian:50,20 loss:1%"
+    assert option(operator, "--seed") == option(netem, "--seed") == "3"
+    assert "--margin" not in operator
+    assert option(robot, "--scenario") == option(operator, "--scenario")
+
+
+@pytest.mark.parametrize("role", ["netem", "robot", "operator"])
+def test_every_option_exists(role, tmp_path):
+    settings = ENVIRONMENT | {"MARGIN": "paper", "PREDICTOR": "echo", "SOLVER": "sqp", "TIME_LIMIT": "5"}
+    settings |= {"UPLINK": "none", "DOWNLINK": "none", "BACKEND": "tc", "SECURITY": SECURITY}
+    for arguments in (
+        part.program_arguments(role, tmp_path, settings),
+        [
+            "summarise",
+            str(tmp_path),
+            *part.choice_arguments(settings),
+            *part.network_arguments(settings),
+            "--why",
+            "x",
+        ],
+    ):
+        assert run([*arguments, "--help"]) == 0, arguments
+    assert run([*arguments, "--no-such-option", "--help"]) == 2
+
+
+SECURITY = next(
+    (
+        line.split(":", 1)[1].strip().strip('"')
+        for line in (DOCKER / "compose.yaml").read_text().splitlines()
+        if line.strip().startswith("SECURITY:")
+    ),
+    "",
+)
+
+
+class FakePart(part.Part):
+    """A part whose programs are one-line scripts."""
+
+    def __init__(self, role, folder, scripts):
+        self.role, self.folder, self.environment = role, folder, {}
+        self.told = threading.Event()
+        self.scripts = scripts
+        self.started: list[list[str]] = []
+
+    def start(self, arguments):
+        self.started.append(list(arguments))
+        return subprocess.Popen([sys.executable, "-c", self.scripts[arguments[0]]])
+
+
+FOREVER = "import signal; signal.pause()"
+OBEYS = "import signal, sys; signal.signal(15, lambda *_: sys.exit(0)); signal.pause()"
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    monkeypatch.setattr(part, "LOOK_EVERY", 0.02)
+    monkeypatch.setattr(part, "PATIENCE", 0.4)
+    monkeypatch.setattr(part, "SUMMARY_PATIENCE", 0.4)
+
+
+def test_the_operators_end_ends_all_and_the_summary_gives_the_code(tmp_path):
+    for name in ("netem.json", "robot.json"):
+        (tmp_path / name).write_text("{}")
+    operator = FakePart("operator", tmp_path, {"operator": "", "summarise": "raise SystemExit(0)"})
+    assert operator.run() == 0
+    assert (tmp_path / "driven").read_text().strip() == ""
+    assert (tmp_path / "ended").exists()
+    assert "--why" not in operator.started[-1]
+    unsafe = FakePart("operator", tmp_path, {"operator": "", "summarise": "raise SystemExit(1)"})
+    (tmp_path / "driven").unlink()
+    assert unsafe.run() == 1
+
+
+def test_an_operator_that_did_not_finish_is_no_success(tmp_path):
+    operator = FakePart("operator", tmp_path, {"operator": "raise SystemExit(1)", "summarise": ""})
+    assert operator.run() == 1
+
+
+def test_bad_input_of_the_operator_is_told_and_ends_all(tmp_path):
+    operator = FakePart(
+        "operator", tmp_path, {"operator": "raise SystemExit(2)", "summarise": "raise SystemExit(1)"}
+    )
+    assert operator.run() != 0
+    assert operator.started[-1][-2:] == ["--why", "the operator program ended with exit code 2"]
+    assert (tmp_path / "driven").exists()
+
+
+@pytest.mark.parametrize("role", ["netem", "robot"])
+def test_the_others_end_when_the_operator_has_driven(role, tmp_path):
+    waiting = FakePart(role, tmp_path, {role: OBEYS})
+    timer = threading.Timer(0.3, (tmp_path / "driven").write_text, ["\n"])
+    timer.start()
+    assert waiting.run() in (0, -signal.SIGTERM)
+    timer.join()
+
+
+def test_a_dead_robot_ends_the_operator_and_says_why(tmp_path):
+    robot = FakePart("robot", tmp_path, {"robot": "raise SystemExit(7)"})
+    assert robot.run() == 7
+    operator = FakePart("operator", tmp_path, {"operator": FOREVER, "summarise": ""})
+    assert operator.run() != 0
+    assert operator.started[-1][-2:] == ["--why", "the robot program ended with exit code 7"]
+
+
+def test_a_program_that_does_not_obey_is_killed(tmp_path):
+    deaf = "import signal; signal.signal(15, signal.SIG_IGN); open({!r}, 'w').close(); signal.pause()"
+    ready = tmp_path / "ready"
+    waiting = FakePart("robot", tmp_path, {"robot": deaf.format(str(ready))})
+    program = waiting.start(["robot"])
+    while not ready.exists():
+        assert program.poll() is None
+    assert waiting.end(program) == -signal.SIGKILL
+
+
+def test_netem_clears_what_an_earlier_run_left(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for name in ("driven", "ended", "robot.json", "summary.json"):
+        (folder / name).write_text("old")
+    netem = FakePart("netem", folder, {"netem": ""})
+    netem.run()
+    assert not (folder / "robot.json").exists()
+    assert (folder / "driven").read_text().strip() == "the netem program ended with exit code 0"
+
+
+def test_equal_libraries_become_links(tmp_path):
+    for name in ("liba.so", "liba.so.3", "liba.so.3.7"):
+        (tmp_path / name).write_bytes(b"same")
+    (tmp_path / "libb.so").write_bytes(b"other")
+    slim.link_copies(tmp_path)
+    assert (tmp_path / "liba.so").readlink() == Path("liba.so.3.7")
+    assert (tmp_path / "liba.so").read_bytes() == b"same"
+    assert not (tmp_path / "libb.so").is_symlink()
+    assert slim.weight([tmp_path]) == 9
+
+
+def test_only_asked_for_solvers_stay(tmp_path, monkeypatch):
+    asks = {
+        "_casadi.so": ["libcasadi.so.3"],
+        "libcasadi.so.3": [],
+        "libcasadi_nlpsol_ipopt.so": ["libipopt.so"],
+        "libipopt.so": ["libmumps.so", "libc.so.6"],
+        "libmumps.so": [],
+        "libcasadi_conic_highs.so": ["libhighs.so"],
+        "libhighs.so": [],
+    }
+    for name in asks:
+        (tmp_path / name).write_bytes(name.encode())
+    monkeypatch.setattr(slim, "needed", lambda path: asks[path.name])
+    gone = {path.name for path in slim.unwanted_solvers(tmp_path)}
+    assert gone == {"libcasadi_conic_highs.so", "libhighs.so"}
+
+
+def test_the_images_requirements_are_the_programs_without_the_laboratory():
+    if sys.version_info < (3, 11):
+        pytest.skip("the image's Python is 3.11")
+    found = load("runtime_requirements").requirements((ROOT / "pyproject.toml").read_text())
+    names = {line.split(">")[0].split("=")[0] for line in found}
+    assert {"eclipse-zenoh", "pybullet", "casadi", "numba"} <= names
+    assert not {"pyarrow", "pytest"} & names
+
+
+@pytest.mark.parametrize("name", ["entry.sh", "healthy.sh", "try.sh"])
+def test_scripts_are_well_formed(name):
+    subprocess.run(["sh", "-n", str(DOCKER / name)], check=True)
+
+
+def test_health_is_what_the_kernel_says():
+    import socket
+
+    with socket.socket() as server, socket.socket() as client:
+        server.bind(("127.0.0.1", 0))
+        port = str(server.getsockname()[1])
+        healthy = ["sh", str(DOCKER / "healthy.sh")]
+        assert subprocess.run([*healthy, "listening", port], capture_output=True, check=False).returncode == 1
+        server.listen()
+        assert subprocess.run([*healthy, "listening", port], capture_output=True, check=False).returncode == 0
+        assert subprocess.run([*healthy, "connected", port], capture_output=True, check=False).returncode == 1
+        client.connect(("127.0.0.1", int(port)))
+        assert subprocess.run([*healthy, "connected", port], capture_output=True, check=False).returncode == 0
+
+
+def test_no_service_has_more_rights_than_it_says():
+    text = (DOCKER / "compose.yaml").read_text()
+    for line in ("read_only: true", "cap_drop: [ALL]", "no-new-privileges:true", "internal: true"):
+        assert line in text
+    assert "cap_add" not in text
+    assert "privileged: true" not in text
+    operator, robot = (text.split(f"\n  {name}:\n")[1].split("\n\n")[0] for name in ("operator", "robot"))
+    assert "networks: [operator_side]" in operator
+    assert "networks: [robot_side]" in robot
+    assert stat.S_IMODE(os.stat(DOCKER / "compose.yaml").st_mode) & 0o044
