@@ -2,7 +2,7 @@
 
 import random
 import time
-from datetime import datetime
+from datetime import datetime, timedelta, timezone
 from typing import Protocol
 
 NANOSECONDS_PER_SECOND = 1_000_000_000
@@ -67,6 +67,11 @@ def to_seconds(duration_ns: int) -> float:
 def local_timestamp() -> str:
     """Wall-clock time for the names of run folders, such as 20260131-235959; never used for control."""
     return datetime.now().strftime("%Y%m%d-%H%M%S")
+
+
+def utc_after(days: float = 0.0) -> datetime:
+    """Wall-clock time, UTC, so many days from now; for the validity of certificates, never for control."""
+    return datetime.now(timezone.utc) + timedelta(days=days)
 
 
 def processor_seconds() -> float:

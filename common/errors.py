@@ -30,3 +30,7 @@ class EndpointError(InputError):
 
 class RunFileError(InputError):
     """A recorded run cannot be read."""
+
+
+class CertificateError(InputError):
+    """A certificate folder cannot be used: incomplete, expired, or not for this."""

@@ -14,6 +14,8 @@ def check_robot_name(name: str) -> str:
         raise InputError(
             f"--robot {name!r}: a robot's name is 1 to 32 letters, digits, dots, dashes or underscores"
         )
+    if name == "netem":
+        raise InputError("--robot 'netem': is the emulator's own name; choose another")
     return name
 
 
@@ -35,6 +37,16 @@ def scene_key(robot: str) -> str:
 def report_key(robot: str) -> str:
     """Operator to its own console and recorder: ControlReport."""
     return f"{PREFIX}/{robot}/report"
+
+
+def alive_key(robot: str, role: str) -> str:
+    """Liveliness token of a program: role is operator, robot or netem (whose robot is `netem`)."""
+    return f"{PREFIX}/{robot}/alive/{role}"
+
+
+def about_key(robot: str, role: str) -> str:
+    """Queryable of a program that says what it is: versions, schema, rights, certificate."""
+    return f"{PREFIX}/{robot}/about/{role}"
 
 
 def robot_of(key: str) -> str:

@@ -7,11 +7,13 @@ from typing import Annotated
 import typer
 
 from common.errors import FarhandError, InputError
+from farhand.certs_commands import certs_app
 from farhand.experiment_commands import register as register_experiments
 from farhand.netem_commands import netem_app
 from farhand.options import (
     ConnectOption,
     DownlinkOption,
+    InsecureOption,
     JsonOption,
     ListenOption,
     MarginOption,
@@ -25,6 +27,7 @@ from farhand.options import (
     SolverOption,
     TimeLimitOption,
     TimelineOption,
+    TlsOption,
     UplinkOption,
     chosen_scenario,
     split_network,
@@ -146,17 +149,20 @@ def operator(
     ] = None,
     result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
     realtime: RealtimeOption = True,
+    tls: TlsOption = "",
+    insecure: InsecureOption = False,
 ) -> None:
     """The operator's side: steering device, state predictor, safety margin, MPC with barrier functions.
 
     Ends by itself when the task is finished.
     """
     from farhand.programs import check_writable, operator_program
+    from farhand.security import local_endpoint
 
     chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
     check_writable(record, "--record")
     check_writable(result, "--result")
-    endpoints = connect or ([] if listen else ["tcp/127.0.0.1:7447"])
+    endpoints = connect or ([] if listen else [local_endpoint(7447, tls)])
     code = operator_program(
         chosen,
         name=robot,
@@ -168,6 +174,8 @@ def operator(
         record=record,
         result=result,
         realtime=realtime,
+        tls=tls,
+        insecure=insecure,
     )
     raise typer.Exit(code)
 
@@ -181,16 +189,26 @@ def robot(
     settings: SetOption = None,
     result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
     realtime: RealtimeOption = True,
+    tls: TlsOption = "",
+    insecure: InsecureOption = False,
 ) -> None:
     """The robot's side: watchdog, velocity control, robot. Runs until it is told to end (Ctrl-C)."""
     from farhand.programs import check_writable, robot_program
+    from farhand.security import local_endpoint
 
     chosen = chosen_scenario(scenario, None, None, None, settings)
     check_writable(result, "--result")
-    endpoints = connect or ([] if listen else ["tcp/127.0.0.1:7448"])
+    endpoints = connect or ([] if listen else [local_endpoint(7448, tls)])
     raise typer.Exit(
         robot_program(
-            chosen, name=name, connect=endpoints, listen=listen or [], result=result, realtime=realtime
+            chosen,
+            name=name,
+            connect=endpoints,
+            listen=listen or [],
+            result=result,
+            realtime=realtime,
+            tls=tls,
+            insecure=insecure,
         )
     )
 
@@ -220,6 +238,19 @@ def summarise(
     up, down = split_network(network, uplink, downlink)
     code = run_summarise(folder, chosen, uplink=up, downlink=down, seed=seed, why=why, as_json=as_json)
     raise typer.Exit(code)
+
+
+@app.command()
+def robots(
+    connect: ConnectOption = None,
+    tls: TlsOption = "",
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """List who is there: robots, their operators and emulators, and who holds control."""
+    from farhand.robots import list_robots
+    from farhand.security import local_endpoint
+
+    raise typer.Exit(list_robots(connect or [local_endpoint(7447, tls)], tls, as_json))
 
 
 @app.command()
@@ -272,6 +303,7 @@ def networks() -> None:
 
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
+app.add_typer(certs_app, name="certs")
 register_experiments(app)
 
 

@@ -9,9 +9,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from common.errors import InputError
+from farhand.options import InsecureOption, TlsOption
+from farhand.security import local_endpoint, secure
 from netem.check import CheckSettings, run_check
 from netem.control import DEFAULT_ENDPOINT, ask
-from netem.main import NetemSettings, run_netem, stop_on_signals
+from netem.main import NetemSettings, run_netem, say, stop_on_signals
 from netem.report import milliseconds, statistics_table
 
 netem_app = typer.Typer(
@@ -66,11 +68,21 @@ def netem(
         str, typer.Option(help="Network device of the operator's side [default: the endpoint's].")
     ] = "",
     tc_robot: Annotated[str, typer.Option(help="Network device of the robot's side.")] = "",
+    tls: TlsOption = "",
+    insecure: InsecureOption = False,
 ) -> None:
     """Run the emulator; without a sub-command. Ctrl-C ends it and prints what it did."""
     if context.invoked_subcommand is not None:
         return
+    if tls:  # the defaults as TLS needs them
+        if listen_operator == "tcp/127.0.0.1:7447":
+            listen_operator = local_endpoint(7447, tls)
+        if listen_robot == "tcp/127.0.0.1:7448":
+            listen_robot = local_endpoint(7448, tls)
+    ends = [*(connect_operator or ()), *(connect_robot or ())]
+    secure(tls, insecure, ends, [listen_operator, listen_robot], say, "netem")
     settings = NetemSettings(
+        certificates=tls,
         listen_operator=listen_operator,
         listen_robot=listen_robot,
         connect_operator=tuple(connect_operator or ()),

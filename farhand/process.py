@@ -48,22 +48,37 @@ class PeerWatch:
         where: the endpoints, for the line.
         connected: whether a peer is there.
         stop_event: ends the watch.
+        heard: whether anything has come yet; None: not looked at.
+        unheard: what to say when somebody is connected but nothing has come for 5 s.
     """
 
     def __init__(
-        self, program: str, where: str, connected: Callable[[], bool], stop_event: threading.Event
+        self,
+        program: str,
+        where: str,
+        connected: Callable[[], bool],
+        stop_event: threading.Event,
+        heard: Callable[[], bool] | None = None,
+        unheard: str = "",
     ) -> None:
+        self._heard, self._unheard = heard, unheard
         self._program, self._where, self._connected, self._stop = program, where, connected, stop_event
         self._thread = threading.Thread(target=self._watch, name="peer-watch", daemon=True)
         self._thread.start()
 
     def _watch(self) -> None:
-        waited, said = 0.0, False
+        waited, said, silent = 0.0, False, 0.0
         while not self._stop.wait(1.0):
             if self._connected():
                 if said:
                     say(self._program, f"{self._where}: connected")
                 waited, said = 0.0, False
+                if self._heard is not None and self._heard():
+                    self._heard = None
+                elif self._heard is not None:
+                    silent += 1.0
+                    if silent == SAY_AFTER:
+                        say(self._program, f"{self._where}: {self._unheard}")
                 continue
             waited += 1.0
             if waited >= SAY_AFTER and not said:

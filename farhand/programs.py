@@ -5,6 +5,7 @@
 
 import os
 import secrets
+import threading
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -19,6 +20,7 @@ from common.recorder import RunInfo, RunRecorder
 from common.scenario import Scenario, scenario_to_table
 from common.zenoh_link import ZenohLink, check_endpoint, is_loopback, open_session
 from farhand.process import PeerWatch, say, stop_event_on_signals
+from farhand.security import guard, secure
 from farhand.summary import Tally
 from farhand.wiring import make_operator, versions
 from operator_side.control.registry import make_controller
@@ -70,9 +72,12 @@ def operator_program(
     record: Path | None,
     result: Path | None,
     realtime: bool = True,
+    tls: str = "",
+    insecure: bool = False,
 ) -> int:
     """Run the operator's side; returns 0 if the task was finished, else 1."""
     check_robot_name(name)
+    folder = secure(tls, insecure, connect, listen, lambda line: say("operator", line), "operator", name)
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     session = random_session()
@@ -90,10 +95,16 @@ def operator_program(
         if notice:
             say("operator", notice)
         solver = controller.settings.solver
-        link = ZenohLink(open_session(connect, listen), [state_key(name), scene_key(name)], clock)
+        link_session = open_session(connect, listen, extra=folder.settings("operator") if folder else ())
+        heard = threading.Event()
+        link = ZenohLink(link_session, [state_key(name), scene_key(name)], clock, heard.set)
         closing.callback(link.close)
+        guard(link_session, folder, name, "operator", lambda line: say("operator", line))
         node = make_operator(scenario, link, name, session, controller, processor_seconds)
-        PeerWatch("operator", where, link.connected, stop_event)
+        unheard = f"connected, but nothing comes from robot {name!r}: it is not running, or has another name"
+        if folder is not None:
+            unheard += f", or certificate {folder.own.name!r} is not among the members/ there"
+        PeerWatch("operator", where, link.connected, stop_event, heard.is_set, unheard)
         if record is not None:
             info = RunInfo(
                 scenario=scenario_to_table(scenario),
@@ -158,13 +169,18 @@ def robot_program(
     listen: Sequence[str],
     result: Path | None,
     realtime: bool = True,
+    tls: str = "",
+    insecure: bool = False,
 ) -> int:
     """Run the robot's side until it is told to end."""
     check_robot_name(name)
+    folder = secure(tls, insecure, connect, listen, lambda line: say("robot", line), "robot", name)
     stop_event = stop_event_on_signals()
     clock = SystemClock()
-    link = ZenohLink(open_session(connect, listen), [command_key(name)], clock)
+    extra = folder.settings("robot") if folder else ()
+    link = ZenohLink(open_session(connect, listen, extra=extra), [command_key(name)], clock)
     try:
+        guard(link.session, folder, name, "robot", lambda line: say("robot", line))
         PeerWatch("robot", ", ".join([*connect, *listen]), link.connected, stop_event)
         run_robot(scenario, name, link, clock, stop_event, result, realtime)
     finally:

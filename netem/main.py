@@ -15,6 +15,9 @@ from rich.console import Console
 from common.clock import SystemClock
 from common.errors import FarhandError, InputError
 from common.executor import RealtimeExecutor
+from common.keys import about_key, alive_key
+from common.presence import about
+from common.tls import load_folder, watch_names
 from netem.control import ControlServer, control_endpoint
 from netem.message_log import CsvLog
 from netem.metrics import MetricsServer
@@ -47,6 +50,7 @@ class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
         realtime: ask for SCHED_FIFO.
         limits: bounds of each direction's memory.
         tls: further (path, value) session settings.
+        certificates: folder for mutual TLS and access control on both sides; empty: none.
     """
 
     listen_operator: str = "tcp/127.0.0.1:7447"
@@ -66,6 +70,7 @@ class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
     realtime: bool = True
     limits: Limits = Limits()
     tls: tuple[tuple[str, Any], ...] = ()
+    certificates: str = ""
 
 
 class _Program:
@@ -129,7 +134,11 @@ def run_netem(
         control_endpoint(settings.control)
     _check_writable(settings.stats)
     stop_event = stop_event or threading.Event()
-    say = _notice
+    folder = load_folder(settings.certificates, "netem") if settings.certificates else None
+    sides = {
+        side: [*settings.tls, *(folder.settings(f"netem-{side}") if folder else ())]
+        for side in ("operator", "robot")
+    }
     clock = SystemClock()
     executor: RealtimeExecutor | None = None
 
@@ -147,10 +156,17 @@ def run_netem(
             wake,
             settings.connect_operator,
             settings.connect_robot,
-            settings.tls,
+            sides["operator"],
             on_bypass=say,
+            tls_robot=sides["robot"],
         )
         opened.append(proxy)
+        facts = json.dumps(about("netem", folder.own if folder else None)).encode()
+        watched = []
+        for side in (proxy.operator_link, proxy.robot_link):
+            side.announce(alive_key("netem", "netem"), facts, about_key("netem", "netem"))
+            if folder is not None:
+                watched.append(watch_names(side.session, folder, f"netem-{side.name}", say))
         node = NetemNode(
             proxy.operator_link,
             proxy.robot_link,
@@ -211,7 +227,8 @@ def _check_writable(path: str | None) -> None:
         raise InputError(f"--stats {path}: no such folder: {Path(path).resolve().parent}")
 
 
-def _notice(line: str) -> None:
+def say(line: str) -> None:
+    """One line for people, on stderr."""
     print(f"netem: {line}", file=sys.stderr, flush=True)
 
 

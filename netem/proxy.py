@@ -20,6 +20,7 @@ class Proxy:
         wake: called when something has arrived, in a Zenoh thread; must only notify.
         connect_operator, connect_robot: endpoints to connect to, e.g. of a Zenoh router.
         tls: further (path, value) session settings for both sessions, such as certificates.
+        tls_robot: the same for the robot's session, where it differs.
         on_bypass: called, in a Zenoh thread, with a line that says who is connected to both sides.
 
     Attributes:
@@ -40,13 +41,15 @@ class Proxy:
         connect_robot: Sequence[str] = (),
         tls: Iterable[tuple[str, object]] | None = None,
         on_bypass: Callable[[str], None] | None = None,
+        tls_robot: Iterable[tuple[str, object]] | None = None,
     ) -> None:
         extra = list(tls or ())
+        extra_robot = extra if tls_robot is None else list(tls_robot)
         self.bypasses: set[str] = set()
         self._on_bypass = on_bypass
         operator = open_session(connect_operator, [listen_operator], extra=extra)
         try:
-            robot = open_session(connect_robot, [listen_robot], extra=extra)
+            robot = open_session(connect_robot, [listen_robot], extra=extra_robot)
         except BaseException:
             operator.close()  # type: ignore[no-untyped-call]
             raise

@@ -126,6 +126,16 @@ class ZenohSide:
             session.liveliness().declare_subscriber(EVERYTHING, self._liveliness, history=True),
         ]
 
+    def announce(self, key: str, facts: bytes, about: str) -> None:
+        """Show under a liveliness token of our own that the emulator is there, and answer what it is."""
+
+        def reply(query: zenoh.Query) -> None:
+            query.reply(about, facts)
+
+        self._tokens[key] = None  # ours: never carried to the other side
+        self._tokens[key] = self.session.liveliness().declare_token(key)
+        self._declared.append(self.session.declare_queryable(about, reply))
+
     def receive(self) -> list[Packet]:
         """Everything that has arrived since the last call, in order of arrival."""
         return self.inbox.drain()

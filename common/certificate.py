@@ -1,0 +1,108 @@
+"""What a certificate of Farhand says: its name is ROLE.NAME, and it lists robots and hosts.
+
+The robots are URIs among the subject's alternative names (`farhand:robot:ur5`), so that who may steer what
+is signed by the authority and not a file that anybody edits.
+"""
+
+import ipaddress
+from dataclasses import dataclass
+from pathlib import Path
+
+from cryptography import x509
+from cryptography.x509.oid import NameOID
+
+from common.clock import utc_after
+from common.errors import CertificateError
+
+ROLES = ("operator", "robot", "netem", "router", "observer")
+ROBOT_URI = "farhand:robot:"
+WARN_DAYS = 30.0
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """One certificate, read.
+
+    Attributes:
+        name: its common name, ROLE.NAME; unique.
+        role: one of ROLES, or empty where the name has none of them.
+        robots: the robots it is named for; a robot's is itself.
+        hosts: names and addresses at which its owner may listen.
+        certificate: as read.
+    """
+
+    name: str
+    role: str
+    robots: tuple[str, ...]
+    hosts: tuple[str, ...]
+    certificate: x509.Certificate
+
+    @property
+    def days_left(self) -> float:
+        """Until the end of its validity; negative after it."""
+        return (self.certificate.not_valid_after_utc - utc_after()).total_seconds() / 86_400.0
+
+    @property
+    def end(self) -> str:
+        """The day on which its validity ends."""
+        return self.certificate.not_valid_after_utc.strftime("%Y-%m-%d")
+
+
+def read_certificate(path: Path) -> Member:
+    """The certificate in a PEM file; raises CertificateError."""
+    try:
+        certificate = x509.load_pem_x509_certificate(path.read_bytes())
+    except OSError as error:
+        raise CertificateError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError:
+        raise CertificateError(f"{path}: is not a certificate in PEM form") from None
+    return describe(certificate)
+
+
+def describe(certificate: x509.Certificate) -> Member:
+    """What a certificate says."""
+    names = certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)
+    name = str(names[0].value) if names else ""
+    robots: list[str] = []
+    hosts: list[str] = []
+    try:
+        others = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    except x509.ExtensionNotFound:
+        others = x509.SubjectAlternativeName([])
+    for other in others:
+        if isinstance(other, x509.UniformResourceIdentifier) and other.value.startswith(ROBOT_URI):
+            robots.append(other.value[len(ROBOT_URI) :])
+        elif isinstance(other, x509.DNSName):
+            hosts.append(other.value)
+        elif isinstance(other, x509.IPAddress):
+            hosts.append(str(other.value))
+    role = name.partition(".")[0]
+    return Member(
+        name,
+        role if role in ROLES else "",
+        tuple(robots),
+        tuple(hosts),
+        certificate,
+    )
+
+
+def signed_by(member: Member, authority: Member) -> bool:
+    """Whether the authority signed the certificate."""
+    try:
+        member.certificate.verify_directly_issued_by(authority.certificate)
+    except Exception:  # several kinds, all of which mean no
+        return False
+    return True
+
+
+def host_name(host: str) -> x509.GeneralName:
+    """A host as an alternative name: an address or a DNS name; raises CertificateError."""
+    try:
+        return x509.IPAddress(ipaddress.ip_address(host))
+    except ValueError:
+        pass
+    try:
+        host.encode("ascii")
+        return x509.DNSName(host)
+    except ValueError:
+        raise CertificateError(f"--host {host!r}: must be an address or a name of ASCII letters") from None

@@ -1,0 +1,64 @@
+"""How a program shows that it is there (a liveliness token) and says what it is (an `about` queryable)."""
+
+import importlib.metadata
+import json
+import platform
+import threading
+
+import zenoh
+
+from common.certificate import Member
+from common.executor import request_realtime
+from common.keys import about_key, alive_key
+from common.messages import SCHEMA
+
+
+def may_run_realtime() -> bool:
+    """Whether this process may have SCHED_FIFO; asked for in a thread that ends at once."""
+    granted: list[bool] = []
+    thread = threading.Thread(target=lambda: granted.append(request_realtime()))
+    thread.start()
+    thread.join()
+    return bool(granted and granted[0])
+
+
+def about(role: str, certificate: Member | None = None) -> dict[str, object]:
+    """What a program is: versions, schema, rights, and its certificate's name and days left."""
+    try:
+        version = importlib.metadata.version("farhand")
+    except importlib.metadata.PackageNotFoundError:
+        version = "unknown"
+    facts: dict[str, object] = {
+        "role": role,
+        "farhand": version,
+        "schema": SCHEMA,
+        "zenoh": importlib.metadata.version("eclipse-zenoh"),
+        "python": platform.python_version(),
+        "realtime": may_run_realtime(),
+    }
+    if certificate is not None:
+        facts["certificate"] = certificate.name
+        facts["days_left"] = round(certificate.days_left, 2)
+    return facts
+
+
+class Presence:
+    """Keeps a program's token and answers its `about` question until the session closes.
+
+    Args:
+        session: open.
+        robot: the robot's name; `netem` for the emulator.
+        role: operator, robot or netem.
+        certificate: the program's own, with TLS.
+    """
+
+    def __init__(
+        self, session: zenoh.Session, robot: str, role: str, certificate: Member | None = None
+    ) -> None:
+        key, answer = about_key(robot, role), json.dumps(about(role, certificate)).encode()
+
+        def reply(query: zenoh.Query) -> None:
+            query.reply(key, answer)
+
+        self.token = session.liveliness().declare_token(alive_key(robot, role))
+        self.queryable = session.declare_queryable(key, reply)
