@@ -47,8 +47,8 @@ def run_campaign(
             broken = _drain(executor, chunks, pool.width * AHEAD, keep)
         for each in broken:
             suspects.extend(each)
-    for job in suspects:
-        _run_alone(job, pool, keep)
+    while suspects:
+        suspects = _run_alone(suspects, pool, keep)
     return store.ordered(jobs)
 
 
@@ -96,14 +96,22 @@ def _rescued(
     return lost
 
 
-def _run_alone(job: Job, pool: Pool, keep: Callable[[list[Row]], None]) -> None:
-    """A job that was in a process when one died: alone, so that it can take no other one with it."""
-    with pool.open() as executor:
-        future = executor.submit(run_jobs, [job])
-        error = future.exception()
-        if error is None:
-            keep(future.result())
-        elif isinstance(error, OSError):
-            raise PoolLostError(f"the pool is gone ({error}); finished rows are kept, run it again to go on")
-        else:
+def _run_alone(jobs: list[Job], pool: Pool, keep: Callable[[list[Row]], None]) -> list[Job]:
+    """Jobs that were in a process when one died: one at a time, so that it is plain which one did it.
+
+    Returns those that are left when one has taken its process with it again.
+    """
+    with pool.open(1) as executor:
+        for number, job in enumerate(jobs, 1):
+            future = executor.submit(run_jobs, [job])
+            error = future.exception()
+            if error is None:
+                keep(future.result())
+                continue
+            if isinstance(error, OSError):
+                raise PoolLostError(
+                    f"the pool is gone ({error}); finished rows are kept, run it again to go on"
+                )
             keep([crashed(job, f"the process that ran it died ({type(error).__name__})")])
+            return jobs[number:]
+    return []

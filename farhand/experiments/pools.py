@@ -28,8 +28,8 @@ class Pool:
         return self.workers
 
     @contextlib.contextmanager
-    def open(self) -> Iterator[Executor]:
-        """An executor, closed at the end without waiting for what has not begun."""
+    def open(self, workers: int = 0) -> Iterator[Executor]:
+        """An executor, closed at the end without waiting for what has not begun; 0 takes the pool's width."""
         raise NotImplementedError
 
 
@@ -44,10 +44,11 @@ class LocalPool(Pool):
         super().__init__(workers or len(os.sched_getaffinity(0)))
 
     @contextlib.contextmanager
-    def open(self) -> Iterator[Executor]:
+    def open(self, workers: int = 0) -> Iterator[Executor]:
         """See Pool."""
         context = multiprocessing.get_context("spawn")
-        executor = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_start_worker)
+        count = workers or self.workers
+        executor = ProcessPoolExecutor(count, mp_context=context, initializer=_start_worker)
         try:
             yield executor
         finally:
@@ -71,7 +72,7 @@ class DaskPool(Pool):
         return 32
 
     @contextlib.contextmanager
-    def open(self) -> Iterator[Executor]:
+    def open(self, workers: int = 0) -> Iterator[Executor]:
         """See Pool; raises InputError when the scheduler does not answer."""
         try:
             import distributed as untyped

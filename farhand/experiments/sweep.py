@@ -46,7 +46,7 @@ class SweepFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     network: str = "none"
     uplink: str | None = None
     downlink: str | None = None
-    seeds: Annotated[int, Meta(ge=1)] | Annotated[tuple[Seed, ...], Meta(min_length=1)] = 1
+    seeds: Annotated[int, Meta(ge=1, le=MAX_RUNS)] | Annotated[tuple[Seed, ...], Meta(min_length=1)] = 1
     time_limit: Annotated[float, Meta(gt=0, le=1e5)] = 300.0
     computing_time: Annotated[float, Meta(ge=0, le=10_000)] = 20.0
     grid: dict[str, list[Any]]
