@@ -22,6 +22,7 @@ from common.zenoh_link import ZenohLink, check_endpoint, is_loopback, open_sessi
 from farhand.process import PeerWatch, say, stop_event_on_signals
 from farhand.security import guard, secure
 from farhand.summary import Tally
+from farhand.systemd import tell_systemd
 from farhand.wiring import make_operator, versions
 from operator_side.control.registry import make_controller
 from operator_side.main import run_operator
@@ -182,7 +183,8 @@ def robot_program(
     try:
         guard(link.session, folder, name, "robot", lambda line: say("robot", line))
         PeerWatch("robot", ", ".join([*connect, *listen]), link.connected, stop_event)
-        run_robot(scenario, name, link, clock, stop_event, result, realtime)
+        watched = tell_systemd(link, stop_event)
+        run_robot(scenario, name, watched, clock, stop_event, result, realtime)
     finally:
         link.close()
     return 0

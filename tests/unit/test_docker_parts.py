@@ -202,7 +202,7 @@ def test_the_images_requirements_are_the_programs_without_the_laboratory():
     assert not {"pyarrow", "pytest"} & names
 
 
-@pytest.mark.parametrize("name", ["entry.sh", "healthy.sh", "try.sh"])
+@pytest.mark.parametrize("name", ["entry.sh", "healthy.sh", "keys.sh", "try.sh"])
 def test_scripts_are_well_formed(name):
     subprocess.run(["sh", "-n", str(DOCKER / name)], check=True)
 
