@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import ks_2samp
 
 from common.link import Packet
 from netem.chain import Chain
@@ -65,6 +64,8 @@ def judge(
         "replays": same,
     }
     if len(achieved) >= MIN_KS_SAMPLES and len(expected) >= MIN_KS_SAMPLES:
+        from scipy.stats import ks_2samp  # takes a second to load
+
         test = ks_2samp(achieved, expected)
         found["ks"] = {"statistic": float(test.statistic), "p": float(test.pvalue), "n": len(achieved)}
     return found

@@ -16,7 +16,6 @@ import msgspec
 import numpy as np
 import tomli_w
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize
 from scipy.special import gammainccinv, gammaincinv
 
 from common.errors import TraceError
@@ -151,6 +150,8 @@ def _falls(times: NDArray[np.float64], delays: NDArray[np.float64]) -> bool:
 def _episodes(
     kind: EpisodeKind, events: list[tuple[float, float, float]], duration: float
 ) -> Episodes | None:
+    from scipy.optimize import brentq
+
     starts = np.sort(np.array([event[0] for event in events]))
     lengths = np.array([event[1] for event in events])
     between = np.diff(starts)
@@ -178,6 +179,8 @@ def _episodes(
 def _jitter(
     body: NDArray[np.float64], correlation_time: float, percents: tuple[float, ...] = FITTED
 ) -> tuple[float, Jitter | None]:
+    from scipy.optimize import minimize
+
     wanted = np.percentile(body, percents)
     least = max(float(body.min()), 1e-6)
     if float(body.max()) - least < 1e-7:

@@ -4,11 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
 from common.errors import TraceError
@@ -49,6 +45,11 @@ def draw_trace(trace: Trace, path: str | Path, title: str) -> None:
 
     Raises TraceError if the file cannot be written.
     """
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullLocator
+
     times, label = trace.times, "message" if trace.duration is None else "time (s)"
     if times is None:
         times = np.arange(len(trace.recorded), dtype=np.float64) * (trace.period or 1.0)
