@@ -19,6 +19,7 @@ from common.executor import request_realtime
 from common.link import Inbox, Packet
 
 LEASE_MS = 1000
+CLIENT_PATIENCE_MS = 10_000
 BLOCK_BEFORE_CLOSE_US = 200_000
 OUTBOX_LIMIT = 256
 _ENDPOINT = re.compile(r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:]+\]|[A-Za-z0-9_.-]+):(\d{1,5})\Z")
@@ -54,7 +55,7 @@ def zenoh_config(
     Args:
         connect: endpoints to connect to, and to connect to again whenever they are lost.
         listen: endpoints to listen on.
-        mode: `peer`, `client` or `router`.
+        mode: `peer`; `client` of a router, which does not route between peers; or `router`.
         extra: further (path, value) settings, e.g. for TLS and access control.
     """
     for endpoint in (*connect, *listen):
@@ -67,8 +68,9 @@ def zenoh_config(
         ("scouting/gossip/enabled", False),
         ("transport/link/tx/lease", LEASE_MS),
         ("transport/link/tx/keep_alive", 4),
-        ("connect/timeout_ms", -1),
-        ("connect/exit_on_failure", False),
+        # A client's session opens only once its router is there, so its patience must end.
+        ("connect/timeout_ms", CLIENT_PATIENCE_MS if mode == "client" else -1),
+        ("connect/exit_on_failure", mode == "client"),
         ("connect/retry", {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}),
         ("listen/timeout_ms", 0),
         ("listen/exit_on_failure", True),

@@ -21,6 +21,7 @@ from farhand.options import (
     PredictorOption,
     RealtimeOption,
     RobotOption,
+    RouterOption,
     ScenarioOption,
     SeedOption,
     SetOption,
@@ -151,6 +152,7 @@ def operator(
     realtime: RealtimeOption = True,
     tls: TlsOption = "",
     insecure: InsecureOption = False,
+    router: RouterOption = False,
 ) -> None:
     """The operator's side: steering device, state predictor, safety margin, MPC with barrier functions.
 
@@ -176,6 +178,7 @@ def operator(
         realtime=realtime,
         tls=tls,
         insecure=insecure,
+        router=router,
     )
     raise typer.Exit(code)
 
@@ -191,6 +194,7 @@ def robot(
     realtime: RealtimeOption = True,
     tls: TlsOption = "",
     insecure: InsecureOption = False,
+    router: RouterOption = False,
 ) -> None:
     """The robot's side: watchdog, velocity control, robot. Runs until it is told to end (Ctrl-C)."""
     from farhand.programs import check_writable, robot_program
@@ -209,6 +213,7 @@ def robot(
             realtime=realtime,
             tls=tls,
             insecure=insecure,
+            router=router,
         )
     )
 
@@ -251,6 +256,29 @@ def robots(
     from farhand.security import local_endpoint
 
     raise typer.Exit(list_robots(connect or [local_endpoint(7447, tls)], tls, as_json))
+
+
+@app.command()
+def doctor(
+    connect: Annotated[str, typer.Option(help="Where the operator connects to.")] = "",
+    robot: RobotOption = "ur5",
+    tls: TlsOption = "",
+    scenario: ScenarioOption = "ur5-obstacle",
+    count: Annotated[int, typer.Option(min=1, max=10_000, help="Questions that measure the path.")] = 60,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """Check the path to a robot: reachability, TLS, round trip, loss, versions, rights, certificates.
+
+    Exit code 0: nothing is in the way. 1: something is, and what to do about it is said. 2: bad input.
+    """
+    from common.keys import check_robot_name
+    from common.scenario import load_scenario
+    from farhand.doctor import run_doctor
+    from farhand.security import local_endpoint
+
+    endpoint = connect or local_endpoint(7447, tls)
+    found = run_doctor(endpoint, check_robot_name(robot), tls, load_scenario(scenario), count, as_json)
+    raise typer.Exit(found)
 
 
 @app.command()

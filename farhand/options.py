@@ -65,6 +65,9 @@ TlsOption = Annotated[
         help="Certificate folder of this program (`farhand certs`): TLS on every link.",
     ),
 ]
+RouterOption = Annotated[
+    bool, typer.Option("--router", help="What --connect names is a Zenoh router (zenohd): be its client.")
+]
 InsecureOption = Annotated[
     bool, typer.Option("--insecure", help="Listen beyond this host without TLS: anybody may move the robot.")
 ]

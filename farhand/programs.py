@@ -75,6 +75,7 @@ def operator_program(
     realtime: bool = True,
     tls: str = "",
     insecure: bool = False,
+    router: bool = False,
 ) -> int:
     """Run the operator's side; returns 0 if the task was finished, else 1."""
     check_robot_name(name)
@@ -96,7 +97,9 @@ def operator_program(
         if notice:
             say("operator", notice)
         solver = controller.settings.solver
-        link_session = open_session(connect, listen, extra=folder.settings("operator") if folder else ())
+        link_session = open_session(
+            connect, listen, mode=_mode(router, listen), extra=folder.settings("operator") if folder else ()
+        )
         heard = threading.Event()
         link = ZenohLink(link_session, [state_key(name), scene_key(name)], clock, heard.set)
         closing.callback(link.close)
@@ -172,6 +175,7 @@ def robot_program(
     realtime: bool = True,
     tls: str = "",
     insecure: bool = False,
+    router: bool = False,
 ) -> int:
     """Run the robot's side until it is told to end."""
     check_robot_name(name)
@@ -179,7 +183,9 @@ def robot_program(
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     extra = folder.settings("robot") if folder else ()
-    link = ZenohLink(open_session(connect, listen, extra=extra), [command_key(name)], clock)
+    link = ZenohLink(
+        open_session(connect, listen, mode=_mode(router, listen), extra=extra), [command_key(name)], clock
+    )
     try:
         guard(link.session, folder, name, "robot", lambda line: say("robot", line))
         PeerWatch("robot", ", ".join([*connect, *listen]), link.connected, stop_event)
@@ -188,6 +194,15 @@ def robot_program(
     finally:
         link.close()
     return 0
+
+
+def _mode(router: bool, listen: Sequence[str]) -> str:
+    """The Zenoh mode of a program's session; raises EndpointError."""
+    if router and listen:
+        raise EndpointError(
+            f"--listen {listen[0]}: a router's client only connects; leave --listen or --router out"
+        )
+    return "client" if router else "peer"
 
 
 def check_writable(path: Path | None, option: str) -> None:

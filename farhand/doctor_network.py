@@ -1,0 +1,85 @@
+"""The doctor's look at an endpoint below Zenoh: does the port answer, and do both sides trust each other."""
+
+import socket
+import ssl
+from dataclasses import dataclass
+from typing import cast
+
+from common.tls import TlsFolder
+
+CONNECT_TIME = 3.0
+REFUSAL_TIME = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line of the doctor: level good, note or bad; what was looked at; what was found; what to do."""
+
+    level: str
+    what: str
+    found: str
+    remedy: str = ""
+
+
+def host_and_port(endpoint: str) -> tuple[str, int]:
+    """The address of an endpoint of the checked form PROTOCOL/HOST:PORT."""
+    host, _, port = endpoint.partition("/")[2].rpartition(":")
+    return host.strip("[]"), int(port)
+
+
+def probe_tcp(endpoint: str) -> Finding:
+    """Whether the port accepts a connection."""
+    host, port = host_and_port(endpoint)
+    what = "reachability"
+    try:
+        socket.create_connection((host, port), CONNECT_TIME).close()
+    except socket.gaierror:
+        return Finding("bad", what, f"no host is called {host!r}", "see the name, or give the address")
+    except ConnectionRefusedError:
+        remedy = "start the program there, see its --listen and the port"
+        return Finding("bad", what, f"{host} refuses port {port}: nothing listens there", remedy)
+    except TimeoutError:
+        remedy = f"let TCP port {port} through the firewalls; is the host up?"
+        return Finding("bad", what, f"{host} port {port} does not answer", remedy)
+    except OSError as error:
+        remedy = "see address, cable and routes of this host"
+        return Finding("bad", what, f"{host} cannot be reached: {error.strerror}", remedy)
+    return Finding("good", what, f"{host} port {port} accepts")
+
+
+def probe_tls(endpoint: str, folder: TlsFolder) -> Finding:
+    """Whether both sides accept each other's certificates."""
+    host, port = host_and_port(endpoint)
+    what = "TLS"
+    context = ssl.create_default_context(cafile=str(folder.path / "ca.pem"))
+    context.load_cert_chain(folder.path / "cert.pem", folder.path / "key.pem")
+    try:
+        with (
+            socket.create_connection((host, port), CONNECT_TIME) as plain,
+            context.wrap_socket(plain, server_hostname=host) as secured,
+        ):
+            subject = cast(
+                tuple[tuple[tuple[str, str], ...], ...], (secured.getpeercert() or {}).get("subject", ())
+            )
+            names = dict(pair for group in subject for pair in group)
+            secured.settimeout(REFUSAL_TIME)  # with TLS 1.3 a refusal comes after the handshake
+            try:
+                if secured.recv(1) == b"":
+                    return Finding("bad", what, "the other side closed it", "see the log there")
+            except TimeoutError:
+                pass
+    except ssl.SSLCertVerificationError as error:
+        remedy = (
+            "its certificate must be of the same authority, in date, and issued with --host for this name"
+        )
+        return Finding("bad", what, f"its certificate is not trusted here: {error.verify_message}", remedy)
+    except ssl.SSLError as error:
+        if "WRONG_VERSION" in (error.reason or "") or "RECORD_LAYER" in (error.reason or ""):
+            return Finding(
+                "bad", what, "there is no TLS behind the port", "start the program there with --tls"
+            )
+        remedy = "is this certificate of the same authority as the other side's, and in date there?"
+        return Finding("bad", what, f"our certificate was refused: {error.reason}", remedy)
+    except OSError as error:
+        return Finding("bad", what, f"broken off: {error}", "is there a program with --tls behind the port?")
+    return Finding("good", what, f"{names.get('commonName', '?')} and {folder.own.name} accept each other")
