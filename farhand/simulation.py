@@ -6,6 +6,7 @@ clock: the same scenario, network and seed give the same bytes.
 
 import hashlib
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from farhand.wiring import make_netem, make_operator, make_robot_node, session_o
 from operator_side.control.controller import Controller
 from operator_side.control.registry import make_controller
 from operator_side.operator_node import OperatorNode
+from robot_side.registry import make_robot
 from robot_side.robot import Robot
 
 COMPUTING_TIME = 0.02
@@ -88,7 +90,7 @@ def simulate(
         record_to: file for a recording that can be replayed.
         digest: hash every message.
         timeline: TOML file of changes of the network at given times.
-        controller, robot: in place of the scenario's; fresh, as they keep state.
+        controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
     """
     uplink = scenario.network.uplink if uplink is None else uplink
     downlink = scenario.network.downlink if downlink is None else downlink
@@ -99,48 +101,52 @@ def simulate(
     hasher = hashlib.sha256()
     if digest:
         _hash_traffic(operator_end, hasher.update)
-    robot_node = make_robot_node(scenario, robot_end, name, session_of(seed, "robot"), robot)
-    netem = make_netem(netem_operator_end, netem_robot_end, uplink, downlink, seed, timeline)
-    session = session_of(seed, "operator")
-    controller = make_controller(scenario.controller) if controller is None else controller
-    controller.prepare()
-    operator = make_operator(scenario, operator_end, name, session, controller)
-    recorder = _recorder(record_to, scenario, name, session, seed)
-    operator.recorder = recorder
-    tally, reports = Tally(), []
-
-    def look(report: ControlReport) -> None:
-        tally.add(report)
-        if keep_reports:
-            reports.append(report)
-
-    executor.add(robot_node, Priority.ROBOT)
-    executor.add(netem, Priority.NETEM)
-    executor.add(_TallyingOperator(operator, look), Priority.OPERATOR, _cost(computing_time))
-    for link in (netem_operator_end, netem_robot_end):
-        executor.wake_on_message(netem, link)
-    try:
-        end_ns = _run(executor, operator, to_ns(time_limit))
-    finally:
+    with ExitStack() as closing:
+        if robot is None:
+            robot = make_robot(scenario)
+            closing.callback(robot.close)  # a world of PyBullet is 30 MB that stay otherwise
+        robot_node = make_robot_node(scenario, robot_end, name, session_of(seed, "robot"), robot)
+        netem = make_netem(netem_operator_end, netem_robot_end, uplink, downlink, seed, timeline)
+        session = session_of(seed, "operator")
+        controller = make_controller(scenario.controller) if controller is None else controller
+        controller.prepare()
+        operator = make_operator(scenario, operator_end, name, session, controller)
+        recorder = _recorder(record_to, scenario, name, session, seed)
         if recorder is not None:
-            recorder.close()
-    netem.check_conservation()
-    since = operator.driving_since_ns
-    summary = summarise(
-        scenario,
-        seed=seed,
-        uplink=uplink,
-        downlink=downlink,
-        tally=tally,
-        robot=robot_node.summary(),
-        finished=operator.finished,
-        duration=to_seconds(end_ns - since) if since is not None else 0.0,
-        rtt=operator.round_trip.overall(),
-        solver=controller.settings.solver,
-        real_time=False,
-        why="" if operator.finished else _why(tally, time_limit),
-    )
-    return SimulationResult(summary, robot_node.trajectory, hasher.hexdigest(), netem.statistics(), reports)
+            closing.callback(recorder.close)
+        operator.recorder = recorder
+        tally, reports = Tally(), []
+
+        def look(report: ControlReport) -> None:
+            tally.add(report)
+            if keep_reports:
+                reports.append(report)
+
+        executor.add(robot_node, Priority.ROBOT)
+        executor.add(netem, Priority.NETEM)
+        executor.add(_TallyingOperator(operator, look), Priority.OPERATOR, _cost(computing_time))
+        for link in (netem_operator_end, netem_robot_end):
+            executor.wake_on_message(netem, link)
+        end_ns = _run(executor, operator, to_ns(time_limit))
+        netem.check_conservation()
+        since = operator.driving_since_ns
+        summary = summarise(
+            scenario,
+            seed=seed,
+            uplink=uplink,
+            downlink=downlink,
+            tally=tally,
+            robot=robot_node.summary(),
+            finished=operator.finished,
+            duration=to_seconds(end_ns - since) if since is not None else 0.0,
+            rtt=operator.round_trip.overall(),
+            solver=controller.settings.solver,
+            real_time=False,
+            why="" if operator.finished else _why(tally, time_limit),
+        )
+        return SimulationResult(
+            summary, robot_node.trajectory, hasher.hexdigest(), netem.statistics(), reports
+        )
 
 
 def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int) -> int:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from common.errors import SpecError
 from common.scenario import load_scenario, replace_setting
 from farhand.cli import run
 from farhand.run_folder import summarise_folder
@@ -82,6 +83,16 @@ def test_an_outage_stops_the_robot_and_the_task_goes_on_afterwards():
     assert summary.safe
     assert summary.finished
     assert summary.stops >= 1
+
+
+def test_a_task_leaves_no_world_of_the_physics_engine_behind():
+    import pybullet
+
+    before = sum(map(pybullet.isConnected, range(64)))
+    simulate(load_scenario("ur5-obstacle"), uplink="none", downlink="none", time_limit=0.2)
+    with pytest.raises(SpecError):
+        simulate(load_scenario("ur5-obstacle"), uplink="constant:", downlink="none")
+    assert sum(map(pybullet.isConnected, range(64))) == before
 
 
 def test_simulate_writes_summary_figure_and_recording(tmp_path, capsys):
