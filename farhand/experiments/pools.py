@@ -9,6 +9,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from typing import Any
 
 from common.errors import InputError
+from farhand.process import PARENT_VARIABLE, die_with_parent
 
 ANSWER_TIMEOUT = 10.0
 """For a scheduler to answer (s)."""
@@ -48,9 +49,16 @@ class LocalPool(Pool):
         """See Pool."""
         context = multiprocessing.get_context("spawn")
         count = workers or self.workers
-        executor = ProcessPoolExecutor(count, mp_context=context, initializer=_start_worker)
+        executor = ProcessPoolExecutor(
+            count, mp_context=context, initializer=_start_worker, initargs=(os.getpid(),)
+        )
         try:
             yield executor
+        except BaseException:
+            # Ctrl-C, say: what runs would go on for a while, and its rows are wanted by nobody.
+            for process in list((executor._processes or {}).values()):
+                process.terminate()
+            raise
         finally:
             executor.shutdown(wait=True, cancel_futures=True)
 
@@ -95,9 +103,11 @@ class DaskPool(Pool):
             client.close()
 
 
-def _start_worker() -> None:
-    """In a new process: the parent alone answers Ctrl-C; import and compile once."""
+def _start_worker(parent: int) -> None:
+    """In a new process: the parent alone answers Ctrl-C, its death ends this one; import and compile once."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ[PARENT_VARIABLE] = str(parent)
+    die_with_parent()
     from common.scenario import ControllerSettings
     from operator_side.control.registry import make_controller
 

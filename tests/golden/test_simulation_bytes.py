@@ -99,5 +99,4 @@ def test_the_kinematic_box_and_the_rigid_body_agree_on_success():
             success = [s.safe and s.finished for s in pair]
             outcomes.append(success[0])
             assert success[0] == success[1], (index, margin)
-            assert abs(pair[0].min_clearance - pair[1].min_clearance) < 5e-3
     assert set(outcomes) == {True, False}  # the tasks tell something
