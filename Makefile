@@ -2,7 +2,8 @@
 # make test   run all tests
 # make check  style, types, and the one way of imports
 # make bench  speed, as ratios from one run
-.PHONY: demo test check bench .venv clean
+# make faults what breaks on a real network, on three hosts in namespaces (root)
+.PHONY: demo test check bench .venv clean faults
 
 demo: .venv
 	@.venv/bin/farhand demo $(ARGS)
@@ -18,6 +19,9 @@ check: .venv
 
 bench: .venv
 	@.venv/bin/python -m benchmarks $(ARGS)
+
+faults: .venv
+	@.venv/bin/python -m farhand.faults.runner $(ARGS)
 
 .venv: .venv/.ready
 
