@@ -5,6 +5,7 @@ so that a campaign that is stopped goes on where it stopped; `tasks.csv` all row
 """
 
 import csv
+import hashlib
 import io
 import json
 from collections.abc import Iterable, Sequence
@@ -107,6 +108,18 @@ class Store:
         if len(whole) != path.stat().st_size:
             path.write_bytes(bytes(whole))
         return rows
+
+
+def source_digest() -> str:
+    """Hash of the code that decides rows: a campaign must not go on with another."""
+    root = Path(__file__).resolve().parents[2]
+    folders = [root / name for name in ("common", "netem", "operator_side", "robot_side")]
+    files = [path for folder in folders for path in folder.rglob("*.py")]
+    files += [root / "farhand" / name for name in ("simulation.py", "wiring.py", "experiments/tasks.py")]
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def to_csv(rows: Sequence[Row]) -> str:

@@ -11,6 +11,7 @@ from msgspec import Meta, Struct
 from common.errors import InputError, SpecError
 from common.scenario import Scenario, load_scenario, replace_setting, scenario_to_table
 from farhand.experiments.jobs import Job
+from farhand.experiments.store import source_digest
 from farhand.experiments.tasks import make_task
 from farhand.wiring import versions
 
@@ -83,7 +84,7 @@ class Sweep:
             "selection": selection,
             "file": file,
             "scenario": base,
-            "versions": versions(),
+            "versions": versions() | {"source": source_digest()},
         }
 
     def _check_grid(self) -> None:

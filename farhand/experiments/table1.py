@@ -11,6 +11,7 @@ from common.errors import InputError
 from common.scenario import MarginName
 from farhand.experiments.jobs import Job, Row, task_seed
 from farhand.experiments.statistics import Cell, clopper_pearson, summarise_cell
+from farhand.experiments.store import source_digest
 from farhand.experiments.tasks import BoxKind, make_task
 from farhand.simulation import COMPUTING_TIME
 from farhand.wiring import versions
@@ -87,7 +88,7 @@ class Table1:
             "robot": self.robot,
             "computing_time": list(self.computing_time),
             "time_limit": self.time_limit,
-            "versions": versions(),
+            "versions": versions() | {"source": source_digest()},
         }
 
     def jobs(self) -> list[Job]:
