@@ -9,10 +9,10 @@ fi
 authority=/tmp/authority
 farhand="python -m farhand"
 $farhand certs init --dir $authority >/dev/null
-$farhand certs issue netem netem --host netem-operator --host netem-robot --dir $authority >/dev/null
+$farhand certs issue netem gate --host netem-operator --host netem-robot --dir $authority >/dev/null
 $farhand certs issue robot ur5 --dir $authority >/dev/null
 $farhand certs issue operator operator --robot ur5 --dir $authority >/dev/null
-cp -R $authority/netem.netem/. /keys/netem/
+cp -R $authority/netem.gate/. /keys/netem/
 cp -R $authority/robot.ur5/. /keys/robot/
 cp -R $authority/operator.operator/. /keys/operator/
 echo "keys: made for netem, robot ur5 and its operator"
