@@ -9,12 +9,14 @@ from rich.markup import escape
 from rich.table import Table
 
 from common.errors import InputError
+from common.keys import check_robot_name
 from farhand.options import InsecureOption, TlsOption
 from farhand.security import local_endpoint, secure
 from netem.check import CheckSettings, run_check
 from netem.control import DEFAULT_ENDPOINT, ask
 from netem.main import NetemSettings, run_netem, say, stop_on_signals
 from netem.report import milliseconds, statistics_table
+from netem.spec import parse_spec
 
 netem_app = typer.Typer(
     help="Emulate a network between the operator's and the robot's side.", invoke_without_command=True
@@ -70,6 +72,10 @@ def netem(
     tc_robot: Annotated[str, typer.Option(help="Network device of the robot's side.")] = "",
     tls: TlsOption = "",
     insecure: InsecureOption = False,
+    robot_network: Annotated[
+        list[str] | None,
+        typer.Option(help="NAME=SPEC: a network of one robot's own, e.g. arm2=constant:100; repeatable."),
+    ] = None,
 ) -> None:
     """Run the emulator; without a sub-command. Ctrl-C ends it and prints what it did."""
     if context.invoked_subcommand is not None:
@@ -83,6 +89,7 @@ def netem(
     secure(tls, insecure, ends, [listen_operator, listen_robot], say, "netem")
     settings = NetemSettings(
         certificates=tls,
+        robot_networks=tuple(_own_network(text) for text in robot_network or ()),
         listen_operator=listen_operator,
         listen_robot=listen_robot,
         connect_operator=tuple(connect_operator or ()),
@@ -204,6 +211,15 @@ def check(
         Console().print(_check_table(found))
     if not found["passed"]:
         raise typer.Exit(1)
+
+
+def _own_network(text: str) -> tuple[str, str]:
+    """Robot and SPEC of NAME=SPEC; raises InputError."""
+    name, separator, spec = text.partition("=")
+    if not separator:
+        raise InputError(f"--robot-network {text!r}: expected NAME=SPEC such as arm2=constant:100")
+    parse_spec(spec).prepare()
+    return check_robot_name(name), spec
 
 
 def _change(control: str, request: dict[str, object]) -> None:

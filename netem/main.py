@@ -50,6 +50,7 @@ class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
         realtime: ask for SCHED_FIFO.
         limits: bounds of each direction's memory.
         tls: further (path, value) session settings.
+        robot_networks: (robot, SPEC of both its directions) where it differs.
         certificates: folder for mutual TLS and access control on both sides; empty: none.
     """
 
@@ -71,6 +72,7 @@ class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
     limits: Limits = Limits()
     tls: tuple[tuple[str, Any], ...] = ()
     certificates: str = ""
+    robot_networks: tuple[tuple[str, str], ...] = ()
 
 
 class _Program:
@@ -177,6 +179,7 @@ def run_netem(
             log=log,
             schedule=schedule,
             instant=clock.now_ns,
+            robot_networks={robot: parse_spec(spec) for robot, spec in settings.robot_networks},
         )
         control = ControlServer(settings.control, wake) if settings.control else None
         if control is not None:

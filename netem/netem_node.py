@@ -5,11 +5,11 @@ when it arrives; it is released when its time has come. Times in schedules count
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from common.errors import FarhandError
-from common.keys import kind_of
+from common.keys import kind_of, robot_of
 from common.link import Link, Packet
 from netem.chain import Chain
 from netem.impairments.base import Transit
@@ -63,6 +63,11 @@ class Direction:
         self.initial = chain.spec
         self.queue = ReleaseQueue(limits)
         self.robots: dict[str, FlowStatistics] = {}
+        self.own_chains: dict[str, Chain] = {}
+
+    def chain_of(self, key: str) -> Chain:
+        """The chain that a message under a key passes: its robot's own, else the direction's."""
+        return self.own_chains.get(robot_of(key), self.chain) if self.own_chains else self.chain
 
     def of(self, robot: str) -> FlowStatistics:
         """Statistics of one robot; the 257th and further share one."""
@@ -93,6 +98,7 @@ class NetemNode:
         schedule: changes the network while it runs.
         instant: reads the time after a sending, so that the achieved delay holds the emulator's own
             work; without it the time of the step is taken (exact in virtual time).
+        robot_networks: by robot, what both directions are like for it instead; not changed while running.
 
     Raises:
         InputError: a file that a Spec names cannot be read.
@@ -109,10 +115,14 @@ class NetemNode:
         log: MessageLog | None = None,
         schedule: Schedule | None = None,
         instant: Callable[[], int] | None = None,
+        robot_networks: Mapping[str, Spec] | None = None,
     ) -> None:
         limits = limits or Limits()
         up = Direction("uplink", operator_link, robot_link, Chain(uplink, seed, "uplink"), limits)
         down = Direction("downlink", robot_link, operator_link, Chain(downlink, seed, "downlink"), limits)
+        for direction in (up, down):
+            for robot, spec in (robot_networks or {}).items():
+                direction.own_chains[robot] = Chain(spec, seed, direction.name)
         self.directions = {"uplink": up, "downlink": down}
         self.round_trips: dict[str, RoundTrips] = {}
         self._both = (up, down)
@@ -158,7 +168,9 @@ class NetemNode:
 
     def start_outage(self, direction: str, length_ns: int, hold: bool, now_ns: int) -> None:
         """No network in a direction from now on, for a time."""
-        self.directions[direction].chain.outage(now_ns, length_ns, hold)
+        whole = self.directions[direction]
+        for chain in (whole.chain, *whole.own_chains.values()):
+            chain.outage(now_ns, length_ns, hold)
 
     def reset(self) -> None:
         """Go back to the Specs of the start."""
@@ -181,6 +193,7 @@ class NetemNode:
         result: dict[str, object] = {}
         for direction in self._both:
             summary: dict[str, object] = {"spec": str(direction.chain.spec)} | direction.total().summary()
+            summary["robot_specs"] = {name: str(chain.spec) for name, chain in direction.own_chains.items()}
             summary["below_zero"] = direction.chain.below_zero()
             summary["robots"] = {name: s.summary() for name, s in sorted(direction.robots.items())}
             result[direction.name] = summary
@@ -196,12 +209,13 @@ class NetemNode:
     def _start(self, origin_ns: int) -> None:
         self._started = True
         for direction in self._both:
-            direction.chain.start(origin_ns)
+            for chain in (direction.chain, *direction.own_chains.values()):
+                chain.start(origin_ns)
         if self._schedule is not None:
             self._schedule.start(origin_ns)
 
     def _take(self, direction: Direction, packet: Packet, now_ns: int) -> None:
-        transits = direction.chain.offer(packet, now_ns)
+        transits = direction.chain_of(packet.key).offer(packet, now_ns)
         first = transits[0]
         statistics = direction.of(first.flow.robot)
         statistics.received += 1
@@ -263,7 +277,7 @@ class NetemNode:
     ) -> None:
         """A message that must arrive was lost: the sender tries again, as it would over TCP."""
         transit.packet.arrived_ns = now_ns
-        again = direction.chain.offer(transit.packet, now_ns)[0]
+        again = direction.chain_of(transit.packet.key).offer(transit.packet, now_ns)[0]
         again.arrived_ns = transit.arrived_ns
         again.retransmissions += 1
         again.stamps = transit.stamps
