@@ -22,6 +22,7 @@ LEASE_MS = 1000
 CLIENT_PATIENCE_MS = 10_000
 BLOCK_BEFORE_CLOSE_US = 200_000
 OUTBOX_LIMIT = 256
+CLOSING_TIME = 1.0
 _ENDPOINT = re.compile(r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:]+\]|[A-Za-z0-9_.-]+):(\d{1,5})\Z")
 _LOOPBACK = {"127.0.0.1", "localhost", "[::1]"}
 
@@ -157,7 +158,10 @@ class ZenohLink:
             self._closing = True
             self._condition.notify()
         self._thread.join(drain_time)
-        self.session.close()  # type: ignore[no-untyped-call]
+        # Closing may block on a link that is dying; whoever closes must not.
+        closing = threading.Thread(target=self.session.close, name="closing", daemon=True)
+        closing.start()
+        closing.join(CLOSING_TIME)
 
     def _receive(self, sample: zenoh.Sample) -> None:
         if sample.kind != zenoh.SampleKind.PUT:

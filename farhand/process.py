@@ -11,6 +11,8 @@ from types import FrameType
 PARENT_VARIABLE = "FARHAND_PARENT"
 _PR_SET_PDEATHSIG = 1
 SAY_AFTER = 5.0
+PARENT_CHECK = 0.25
+GRACE = 1.5
 
 
 def say(program: str, line: str) -> None:
@@ -38,6 +40,16 @@ def die_with_parent() -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
     if os.getppid() != int(parent):  # it died before the call
         raise SystemExit(1)
+    threading.Thread(target=_outlive_briefly, args=(int(parent),), name="parent-watch", daemon=True).start()
+
+
+def _outlive_briefly(parent: int) -> None:
+    """End this process for good 1.5 s after its parent's death, whatever it may hang in by then."""
+    pause = threading.Event()
+    while os.getppid() == parent:
+        pause.wait(PARENT_CHECK)
+    pause.wait(GRACE)
+    os._exit(1)
 
 
 class PeerWatch:
