@@ -10,9 +10,7 @@ from common.clock import SystemClock
 from common.ports import free_ports
 from common.scenario import Scenario
 from farhand.children import Children
-from farhand.figure import draw_run
 from farhand.live_status import ReportReader, StatusView
-from farhand.outcome import print_outcome
 from farhand.process import stop_event_on_signals
 from farhand.run_folder import (
     NETEM,
@@ -20,12 +18,9 @@ from farhand.run_folder import (
     RECORDING,
     ROBOT,
     make_run_folder,
-    read_json,
-    read_operator_result,
-    summarise_folder,
     write_scenario,
 )
-from farhand.summary import write_summary
+from farhand.summarise_command import conclude
 from netem.timeline import load_timeline
 from robot_side.registry import make_robot
 
@@ -63,19 +58,10 @@ def run_demo(
         stop_event=stop_event,
         view=StatusView(f"{scenario.name} over {network}, margin {scenario.margin.kind}", console),
     )
-    summary = summarise_folder(folder, scenario, seed=seed, uplink=uplink, downlink=downlink, why=why)
-    write_summary(summary, folder)
-    robot, operator = read_json(folder / ROBOT), read_operator_result(folder)
-    trajectory = robot.get("trajectory", [])
-    figure = (
-        draw_run(scenario, summary, trajectory, operator.series if operator else [], folder)
-        if trajectory
-        else None
+    code = conclude(
+        folder, scenario, console, uplink=uplink, downlink=downlink, seed=seed, why=why, as_json=as_json
     )
-    if operator is not None and operator.notice:
-        console.print(operator.notice, style="yellow", markup=False)
-    print_outcome(summary, folder, figure, console, as_json=as_json, network=read_json(folder / NETEM))
-    return summary.exit_code if why != INTERRUPTED else 1
+    return 1 if why == INTERRUPTED else code
 
 
 def _run_programs(

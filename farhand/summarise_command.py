@@ -33,11 +33,33 @@ def run_summarise(
             f"{folder}: holds neither {OPERATOR} nor {ROBOT}, which the programs write at --result"
         )
     write_scenario(scenario, folder)
+    console = Console(file=sys.stderr if as_json else sys.stdout)
+    return conclude(
+        folder, scenario, console, uplink=uplink, downlink=downlink, seed=seed, why=why, as_json=as_json
+    )
+
+
+def conclude(
+    folder: Path,
+    scenario: Scenario,
+    console: Console,
+    *,
+    uplink: str,
+    downlink: str,
+    seed: int,
+    why: str,
+    as_json: bool,
+) -> int:
+    """Make summary and figure of what the programs left in the folder, and print how it went.
+
+    Returns 0 if the run was safe and finished, else 1.
+    """
     summary = summarise_folder(folder, scenario, seed=seed, uplink=uplink, downlink=downlink, why=why)
     write_summary(summary, folder)
     operator, trajectory = read_operator_result(folder), read_json(folder / ROBOT).get("trajectory", [])
     series = operator.series if operator is not None else []
     figure = draw_run(scenario, summary, trajectory, series, folder) if trajectory else None
-    console = Console(file=sys.stderr if as_json else sys.stdout)
+    if operator is not None and operator.notice:
+        console.print(operator.notice, style="yellow", markup=False)
     print_outcome(summary, folder, figure, console, as_json=as_json, network=read_json(folder / NETEM))
     return summary.exit_code
