@@ -22,9 +22,9 @@ from common.errors import InputError
 from netem.main import NetemSettings, say
 from netem.spec import parse_spec
 from netem.tc_host import Run, claim, find_device, refusal, run_command
-from netem.tc_words import LIMIT, TABLE, KernelNetwork, kernel_network
+from netem.tc_words import TABLE, KernelNetwork, kernel_network
 
-HANDLE, INNER = "fa4d:", "fa4e:"
+HANDLE = "fa4d:"
 """Of the queues that are made here, by which they are known again."""
 
 
@@ -40,12 +40,8 @@ def set_commands(device: Device) -> list[list[str]]:
     """The commands that start the emulation on a device; none where there is nothing to emulate."""
     if not device.network.arguments:
         return []
-    add = ["tc", "qdisc", "add", "dev", device.name]
-    commands = [[*add, "root", "handle", HANDLE, "netem", *device.network.arguments]]
-    if device.network.in_order:
-        # netem's own inner queue sorts by the drawn time; a plain queue keeps the order of arrival (tc-netem(8)).
-        commands.append([*add, "parent", f"{HANDLE}1", "handle", INNER, "pfifo", "limit", str(LIMIT)])
-    return commands
+    add = ["tc", "qdisc", "add", "dev", device.name, "root", "handle", HANDLE]
+    return [[*add, "netem", *device.network.arguments]]
 
 
 def remove_command(device: Device) -> list[str]:

@@ -4,9 +4,12 @@ What tc-netem has not is refused, never left out. It differs from netem in this:
 carry TCP, so that a lost one is sent again and comes late; its queue of LIMIT packets holds delayed packets
 as well as waiting ones; and it takes no seed.
 
-A correlation is refused, although `tc` takes it. The kernel blends uniform numbers, u = (1 - c) u' + c u,
-and compares that with the probability: `loss 5% 25%` loses 0.2 % (measured 0.3 %). Of a delay's u it uses the remainder of a
-division, which is as good as independent: `delay 125ms 75ms 50%` has a correlation of 0.00.
+A correlation is refused, although `tc` takes it. The kernel blends uniform numbers, u = (1 - c) u' + c u, and
+compares that with the probability, so that `loss 5% 25%` loses 0.2 %. Of a delay's u it takes the remainder of
+a division, which is as good as independent: `delay 125ms 75ms 50%` has a correlation of 0.00.
+
+Nor does a pfifo below netem keep packets in order, as tc-netem(8) says: since Linux 3.x netem always sorts by
+time first. A rate does, since a packet then waits for the one before it; IN_ORDER is one that delays none.
 """
 
 from typing import NamedTuple
@@ -48,15 +51,14 @@ class KernelNetwork(NamedTuple):
     Attributes:
         arguments: what follows `netem`.
         table: a distribution that tc has not, whose file's name stands in `arguments` as TABLE.
-        in_order: whether packets must not overtake, which takes a queue of its own inside.
     """
 
     arguments: tuple[str, ...] = ()
     table: Table | None = None
-    in_order: bool = False
 
 
 TABLE = "farhand"
+IN_ORDER = ("rate", "100gbit")
 
 
 def kernel_network(spec: Spec, direction: str) -> KernelNetwork:
@@ -88,11 +90,11 @@ def kernel_network(spec: Spec, direction: str) -> KernelNetwork:
             arguments += _word_arguments(word)
     if spec.word("reorder") is not None and "reorder" in arguments and spec.word("delay") is None:
         raise _refusal("reorder:gap(...)", "sends some packets at once, which wants a delay for the others")
+    if in_order and "delay" in arguments and "rate" not in arguments:
+        arguments += IN_ORDER
     if not arguments:
         return KernelNetwork()
-    return KernelNetwork(
-        ("limit", str(LIMIT), *arguments), table if table and table.entries else None, in_order
-    )
+    return KernelNetwork(("limit", str(LIMIT), *arguments), table if table and table.entries else None)
 
 
 def _word_arguments(word: Word) -> list[str]:

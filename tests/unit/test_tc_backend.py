@@ -91,13 +91,16 @@ def test_none_needs_no_queue_at_all():
     assert set_commands(Device("eth0", KernelNetwork())) == []
 
 
-def test_in_order_puts_a_plain_queue_inside():
-    device = Device("eth1", kernel_network(parse_spec("gaussian:50,20 reorder:in-order"), "uplink"))
-    commands = [" ".join(command) for command in set_commands(device)]
-    assert commands == [
-        "tc qdisc add dev eth1 root handle fa4d: netem limit 10000 delay 50ms 20ms distribution normal",
-        "tc qdisc add dev eth1 parent fa4d:1 handle fa4e: pfifo limit 10000",
-    ]
+@pytest.mark.parametrize(
+    ("spec", "expected"),
+    [
+        ("gaussian:50,20 reorder:in-order", "delay 50ms 20ms distribution normal rate 100gbit"),
+        ("gaussian:50,20 rate:2mbit reorder:in-order", "rate 2000000bit delay 50ms 20ms distribution normal"),
+        ("loss:1% reorder:in-order", "loss random 1%"),
+    ],
+)
+def test_order_is_kept_by_a_rate_where_delays_could_change_it(spec, expected):
+    assert words(spec) == expected
 
 
 def drawn(table: Table) -> np.ndarray:
