@@ -39,7 +39,7 @@ def refusal(command: Sequence[str], stderr: str) -> InputError:
     elif command[0] in stderr and "not found" in stderr:
         why = f"there is no program {command[0]!r}; install iproute2"
     elif "Cannot find device" in stderr:
-        why = f"there is no network device {command[4]!r}"
+        why = f"there is no network device {command[list(command).index('dev') + 1]!r}"
     else:
         why = f"{' '.join(command)}: {' '.join(stderr.split())[:200]}"
     return InputError(f"--backend tc: {why}")

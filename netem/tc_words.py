@@ -38,6 +38,9 @@ from netem.tc_tables import Table, empirical_table, lognormal_table, model_of, m
 LIMIT = 10_000
 """Packets in the queue: 200 ms of 50,000 packets a second."""
 
+LONGEST_NS = 274_000_000_000
+"""Of a time: tc counts 64 ns in 32 bits."""
+
 _DISTRIBUTIONS: dict[type[MeanSdWord], str] = {
     Gaussian: "normal",
     Pareto: "pareto",
@@ -119,6 +122,8 @@ def _word_arguments(word: Word) -> list[str]:
     if isinstance(word, Rate):
         if word.queue != DEFAULT_QUEUE:
             raise _refusal(word.text(), "counts its queue in packets, not in bytes")
+        if word.bits_per_second < 8:
+            raise _refusal(word.text(), "counts whole bytes a second")
         return ["rate", f"{word.bits_per_second}bit"]
     if isinstance(word, Reorder):
         return ["reorder", _percent(word.probability), "gap", str(word.gap)]
@@ -139,6 +144,8 @@ def _refusal(word: str, why: str) -> SpecError:
 
 
 def _time(duration_ns: int) -> str:
+    if duration_ns > LONGEST_NS:
+        raise _refusal(f"{milliseconds_text(duration_ns)} ms", f"waits at most {LONGEST_NS // 10**9} s")
     return f"{milliseconds_text(duration_ns)}ms"
 
 

@@ -14,8 +14,14 @@ import sys
 import tempfile
 from pathlib import Path
 
+GRACE = 5.0
+"""How much longer the kernel may last than this process lets it (s): its own end, should this one die."""
+
 MODULES = ("drivers/net/veth.ko", "net/sched/sch_netem.ko")
 _LIBRARY = Path("/usr/lib/uml/modules")
+
+# The kernel's helper processes would outlive it; those of a process namespace end with its first.
+_ALONE = ["setpriv", "--pdeathsig", "KILL", "unshare", "--pid", "--mount-proc", "--fork", "--kill-child"]
 
 _FIRST_PROCESS = """\
 #!/bin/sh
@@ -28,6 +34,7 @@ mount -t hostfs -o {folder} none {folder}
 mkdir -p /run/tmp
 export TMPDIR=/run/tmp HOME=/run/tmp NUMBA_CACHE_DIR={folder}/compiled PYTHONDONTWRITEBYTECODE=1
 ip link set lo up
+( sleep {timeout:.0f}; echo o >/proc/sysrq-trigger ) &
 for module in {modules}; do insmod "$module"; done
 cd {place}
 ( {command} ) >{job}/stdout 2>{job}/stderr </dev/null
@@ -38,6 +45,8 @@ echo o >/proc/sysrq-trigger
 
 def why_not() -> str:
     """Why this kernel cannot be started here, or an empty string."""
+    if os.geteuid() != 0:
+        return "needs root"
     if shutil.which("linux.uml") is None or not _modules():
         return "user-mode Linux with its modules is not installed (apt install user-mode-linux)"
     return ""
@@ -67,13 +76,15 @@ def run_inside(
                 place=shlex.quote(str(Path.cwd())),
                 command=shlex.join(command),
                 job=shlex.quote(job),
+                timeout=timeout + GRACE,
             )
         )
         first.chmod(0o755)
         root = ["root=/dev/root", "rootfstype=hostfs", "rootflags=/", "ro", f"init={first}"]
         consoles = ["con=null", "con0=null,fd:1", "quiet"]
+        whole = [*_ALONE, "linux.uml", f"mem={memory}", *root, *consoles, f"uml_dir={job}/"]
         kernel = subprocess.Popen(
-            ["linux.uml", f"mem={memory}", *root, *consoles, f"uml_dir={job}/"],
+            whole,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

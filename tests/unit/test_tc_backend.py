@@ -68,6 +68,8 @@ def test_words_of_a_spec_become_those_of_tc(spec, expected):
         "tcp-like",
         "trace:delays.csv",
         "rate:2mbit,64kB",
+        "rate:7bit",
+        "constant:5min",
         "camera[loss:5%]",
         "5g-urban",
         "bursty-loss-5 loss:1%",
@@ -244,6 +246,15 @@ def test_what_a_killed_emulation_left_is_taken_away_even_where_nothing_is_emulat
         "tc qdisc add dev eth0 root handle fa4d: netem limit 10000 loss random 1%",
     ]
     assert "tc on eth1: took away" in capsys.readouterr().err
+
+
+def test_a_device_that_is_not_there_is_named():
+    shell = FakeShell(refused="show dev eth1", stderr='Cannot find device "eth1"')
+    with (
+        pytest.raises(InputError, match="there is no network device 'eth1'"),
+        kernel_emulation(SETTINGS, run=shell),
+    ):
+        pass
 
 
 def test_a_queue_that_somebody_set_is_not_touched():
