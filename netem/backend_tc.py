@@ -21,11 +21,8 @@ import msgspec
 from common.errors import InputError
 from netem.main import NetemSettings, say
 from netem.spec import parse_spec
-from netem.tc_host import Run, claim, find_device, refusal, run_command
+from netem.tc_host import HANDLE, Run, claim, find_device, refusal, run_command
 from netem.tc_words import TABLE, KernelNetwork, kernel_network
-
-HANDLE = "fa4d:"
-"""Of the queues that are made here, by which they are known again."""
 
 
 class Device(NamedTuple):

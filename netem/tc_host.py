@@ -8,6 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 from common.errors import InputError
 
+HANDLE = "fa4d:"
+"""Of the queues that are made here, by which they are known again."""
+
 Run = Callable[[Sequence[str], Mapping[str, str]], tuple[int, str, str]]
 """Runs a command with further environment variables; returns exit code, stdout, stderr."""
 

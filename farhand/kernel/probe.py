@@ -120,7 +120,10 @@ def probe(
             next_ns = start_ns + len(stamps) * step_ns if len(stamps) < count else end_ns
             if not select.select([receiver], [], [], max(0, next_ns - now_ns) * 1e-9)[0]:
                 continue
-            packet = receiver.recv(65535)
+            try:
+                packet = receiver.recv(65535)
+            except BlockingIOError:  # its header was corrupted: the kernel threw it away after all
+                continue
             now_ns = clock.now_ns()
             number, stamp_ns = _FORM.unpack_from(packet)
             if number >= len(stamps) or stamps[number] != stamp_ns or packet[_FORM.size :] != rest:

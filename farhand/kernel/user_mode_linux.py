@@ -22,6 +22,7 @@ _LIBRARY = Path("/usr/lib/uml/modules")
 
 # The kernel's helper processes would outlive it; those of a process namespace end with its first.
 _ALONE = ["setpriv", "--pdeathsig", "KILL", "unshare", "--pid", "--mount-proc", "--fork", "--kill-child"]
+_ALONE += ["sh", "-c", '"$@"; exit', "sh"]  # that first one must not be the kernel itself
 
 _FIRST_PROCESS = """\
 #!/bin/sh

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from common.errors import InputError, SpecError
-from netem.backend_tc import HANDLE, Device, KernelEmulation, kernel_emulation, set_commands
+from netem.backend_tc import Device, KernelEmulation, kernel_emulation, set_commands
 from netem.main import NetemSettings
 from netem.profiles import PROFILES
 from netem.spec import parse_spec
-from netem.tc_host import claim, device_with, find_device, refusal
+from netem.tc_host import HANDLE, claim, device_with, find_device, refusal
 from netem.tc_tables import SIZE, Table, model_table, table_of
 from netem.tc_words import KernelNetwork, kernel_network
 
