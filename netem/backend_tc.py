@@ -139,8 +139,8 @@ def kernel_emulation(
             raise InputError(f"--backend tc: cannot be changed while it runs; leave {option} out")
     uplink = kernel_network(parse_spec(settings.uplink), "uplink")
     downlink = kernel_network(parse_spec(settings.downlink), "downlink")
-    operator_device = operator_device or find_device(settings.listen_operator, "--tc-operator", run)
-    robot_device = robot_device or find_device(settings.listen_robot, "--tc-robot", run)
+    operator_device = operator_device or find_device(settings.listen_operator, "--tc-operator")
+    robot_device = robot_device or find_device(settings.listen_robot, "--tc-robot")
     if operator_device == robot_device:
         raise InputError(
             f"--backend tc: both sides are on the device {operator_device}; it takes one for each, in a network apart"

@@ -1,10 +1,11 @@
 """What the emulation in the kernel asks of this host: commands, their refusals, and network devices."""
 
-import json
 import os
 import socket
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
+
+import psutil
 
 from common.errors import InputError
 
@@ -48,15 +49,14 @@ def refusal(command: Sequence[str], stderr: str) -> InputError:
     return InputError(f"--backend tc: {why}")
 
 
-def device_with(address: str, addresses: str) -> str | None:
-    """Name of the device that has an address, by the JSON of `ip -json address`; None if there is none."""
-    for device in json.loads(addresses or "[]"):
-        if any(each.get("local") == address for each in device.get("addr_info", [])):
-            return str(device["ifname"])
-    return None
+def addresses() -> dict[str, list[str]]:
+    """Addresses of this host by network device."""
+    return {name: [each.address for each in found] for name, found in psutil.net_if_addrs().items()}
 
 
-def find_device(endpoint: str, option: str, run: Run = run_command) -> str:
+def find_device(
+    endpoint: str, option: str, known: Callable[[], Mapping[str, Sequence[str]]] = addresses
+) -> str:
     """Name of the device that an endpoint listens on; raises InputError that tells to name it."""
     host = endpoint.split("/", 1)[-1].rsplit(":", 1)[0].strip("[]")
     try:
@@ -65,16 +65,12 @@ def find_device(endpoint: str, option: str, run: Run = run_command) -> str:
         raise InputError(
             f"--backend tc: the host of {endpoint} has no address; name the device with {option}"
         ) from None
-    command = ["ip", "-json", "address"]
-    code, stdout, stderr = run(command, {})
-    if code:
-        raise refusal(command, stderr)
-    found = device_with(str(address), stdout)
-    if found is None:
-        raise InputError(
-            f"--backend tc: no device has the address {address} of {endpoint}; name the device with {option}"
-        )
-    return found
+    for name, found in known().items():
+        if address in found:
+            return name
+    raise InputError(
+        f"--backend tc: no device has the address {address} of {endpoint}; name the device with {option}"
+    )
 
 
 def claim(device: str) -> socket.socket:

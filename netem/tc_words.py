@@ -20,11 +20,7 @@ from netem.impairments.constant import Constant
 from netem.impairments.corrupt import Corrupt
 from netem.impairments.delay import MeanSdWord
 from netem.impairments.duplicate import Duplicate
-from netem.impairments.gaussian import Gaussian
-from netem.impairments.lognormal import LogNormal
 from netem.impairments.loss import FourState, Gilbert, Random
-from netem.impairments.pareto import Pareto
-from netem.impairments.paretonormal import ParetoNormal
 from netem.impairments.profile import ModelWord, ProfileWord
 from netem.impairments.rate import Rate
 from netem.impairments.reorder import Reorder
@@ -33,7 +29,7 @@ from netem.impairments.slot import Slot
 from netem.impairments.uniform import Uniform
 from netem.spec import Spec
 from netem.spec_reader import DEFAULT_QUEUE, milliseconds_text, percent_text
-from netem.tc_tables import Table, empirical_table, lognormal_table, model_of, model_table
+from netem.tc_tables import Table, empirical_table, mean_sd_table, model_of, model_table
 
 LIMIT = 10_000
 """Packets in the queue: 200 ms of 50,000 packets a second."""
@@ -41,19 +37,13 @@ LIMIT = 10_000
 LONGEST_NS = 274_000_000_000
 """Of a time: tc counts 64 ns in 32 bits."""
 
-_DISTRIBUTIONS: dict[type[MeanSdWord], str] = {
-    Gaussian: "normal",
-    Pareto: "pareto",
-    ParetoNormal: "paretonormal",
-}
-
 
 class KernelNetwork(NamedTuple):
     """One direction, for tc-netem.
 
     Attributes:
         arguments: what follows `netem`.
-        table: a distribution that tc has not, whose file's name stands in `arguments` as TABLE.
+        table: the distribution whose file's name stands in `arguments` as TABLE.
     """
 
     arguments: tuple[str, ...] = ()
@@ -86,8 +76,8 @@ def kernel_network(spec: Spec, direction: str) -> KernelNetwork:
             if loss:
                 leave = 1 - loss if model.loss_burst is None else 1 / model.loss_burst
                 arguments += ["loss", "gemodel", *map(_percent, (leave * loss / (1 - loss), leave))]
-        elif isinstance(word, LogNormal | Empirical):
-            table = lognormal_table(word) if isinstance(word, LogNormal) else empirical_table(word, direction)
+        elif isinstance(word, MeanSdWord | Empirical):
+            table = mean_sd_table(word) if isinstance(word, MeanSdWord) else empirical_table(word, direction)
             arguments += _table_arguments(table)
         else:
             arguments += _word_arguments(word)
@@ -107,10 +97,6 @@ def _word_arguments(word: Word) -> list[str]:
         # Without a distribution the kernel draws evenly from mean - jitter to mean + jitter.
         middle, half = (word.low_ns + word.high_ns) // 2, (word.high_ns - word.low_ns) // 2
         return ["delay", _time(middle), *([_time(half)] if half else [])]
-    if isinstance(word, MeanSdWord) and type(word) in _DISTRIBUTIONS:
-        if not word.sd_ns:
-            return ["delay", _time(word.mean_ns)]
-        return ["delay", _time(word.mean_ns), _time(word.sd_ns), "distribution", _DISTRIBUTIONS[type(word)]]
     if isinstance(word, Random):
         return ["loss", "random", _percent(word.probability)]
     if isinstance(word, Gilbert):
