@@ -78,10 +78,13 @@ class KernelEmulation:
             self._claims.pop().close()
 
     def counted(self) -> list[dict[str, Any]]:
-        """What each device sent and dropped, in packets."""
+        """What each device sent and dropped, in packets; without those that are gone."""
         found = []
         for device in self._started:
-            root = self._root(device)
+            try:
+                root = self._root(device)
+            except InputError:
+                continue
             counts = {"packets": root.get("packets"), "dropped": root.get("drops")}
             found.append({"device": device.name, "direction": device.direction, **counts})
         return found
@@ -104,8 +107,7 @@ class KernelEmulation:
                 environment = {"TC_LIB_DIR": folder}
             for command in set_commands(device):
                 self._do(command, environment)
-                if device not in self._started:
-                    self._started.append(device)
+                self._started.append(device)
         return said
 
     def _do(self, command: Sequence[str], environment: Mapping[str, str] = MappingProxyType({})) -> str:
@@ -137,6 +139,8 @@ def kernel_emulation(
     for option, value in (("--timeline", settings.timeline), ("--control", settings.control)):
         if value:
             raise InputError(f"--backend tc: cannot be changed while it runs; leave {option} out")
+    if settings.robot_networks:
+        raise InputError("--backend tc: tells no robots apart; leave --robot-network out")
     uplink = kernel_network(parse_spec(settings.uplink), "uplink")
     downlink = kernel_network(parse_spec(settings.downlink), "downlink")
     operator_device = operator_device or find_device(settings.listen_operator, "--tc-operator")

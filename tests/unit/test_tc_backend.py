@@ -320,6 +320,15 @@ def test_what_changes_a_running_network_is_refused(change):
         pass
 
 
+def test_a_robot_s_own_network_is_refused():
+    settings = msgspec.structs.replace(SETTINGS, robot_networks=(("arm2", "constant:100"),))
+    with (
+        pytest.raises(InputError, match="tells no robots apart"),
+        kernel_emulation(settings, run=FakeShell()),
+    ):
+        pass
+
+
 @pytest.mark.skipif(os.geteuid() != 0 or not shutil.which("unshare"), reason="needs root and unshare")
 @pytest.mark.skipif(not shutil.which("tc"), reason="needs tc, of iproute2")
 def test_this_kernel_emulates_or_refuses_in_one_line():
