@@ -18,6 +18,8 @@ PORT = 7459
 _NEW_NETWORK = 0x40000000
 _NO_CHECK = 11
 """SO_NO_CHECK: without a checksum a flipped bit arrives, and can be counted."""
+_FORCE_SEND_BUFFER, _FORCE_RECEIVE_BUFFER = 32, 33
+"""SO_SNDBUFFORCE, so that a queue of packets does not hold up the sender; SO_RCVBUFFORCE."""
 _FORM = struct.Struct("<IQ")
 
 
@@ -102,7 +104,8 @@ def probe(
     clock = SystemClock()
     with socket_in(here) as sender, socket_in(there) as receiver:
         sender.setsockopt(socket.SOL_SOCKET, _NO_CHECK, 1)
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4_000_000)
+        sender.setsockopt(socket.SOL_SOCKET, _FORCE_SEND_BUFFER, 50_000_000)
+        receiver.setsockopt(socket.SOL_SOCKET, _FORCE_RECEIVE_BUFFER, 50_000_000)
         receiver.bind((address, PORT))
         receiver.setblocking(False)
         rest = bytes(size - _FORM.size)
