@@ -111,12 +111,7 @@ def probe(
         receiver.bind((address, PORT))
         receiver.setblocking(False)
         rest = bytes(size - _FORM.size)
-        for _ in range(
-            WARM_UP
-        ):  # until the neighbour's address is known, a packet waits for that; it is lost too
-            sender.sendto(_FORM.pack(_WARM, 0) + rest, (address, PORT))
-            if select.select([receiver], [], [], 0.05)[0]:
-                break
+        _meet(sender, receiver, address, rest)
         stamps: list[int] = []
         delays = np.full(count, np.nan)
         order: list[int] = []
@@ -147,3 +142,11 @@ def probe(
                 delays[number] = (now_ns - stamp_ns) * 1e-9
                 order.append(number)
     return Seen(delays, tuple(order), copies, corrupted)
+
+
+def _meet(sender: socket.socket, receiver: socket.socket, address: str, rest: bytes) -> None:
+    """Send until something comes: the first packets wait for the neighbour's address, which is delayed and lost too."""
+    for _ in range(WARM_UP):
+        sender.sendto(_FORM.pack(_WARM, 0) + rest, (address, PORT))
+        if select.select([receiver], [], [], 0.05)[0]:
+            return
