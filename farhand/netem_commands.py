@@ -10,6 +10,7 @@ from rich.table import Table
 
 from common.errors import InputError
 from common.keys import check_robot_name
+from common.zenoh_log import tell_refusals
 from farhand.options import InsecureOption, TlsOption
 from farhand.security import local_endpoint, secure
 from netem.check import CheckSettings, run_check
@@ -87,6 +88,8 @@ def netem(
             listen_robot = local_endpoint(7448, tls)
     ends = [*(connect_operator or ()), *(connect_robot or ())]
     secure(tls, insecure, ends, [listen_operator, listen_robot], say, "netem")
+    if tls:
+        tell_refusals(say)
     settings = NetemSettings(
         certificates=tls,
         robot_networks=tuple(_own_network(text) for text in robot_network or ()),

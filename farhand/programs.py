@@ -19,6 +19,7 @@ from common.messages import ControlReport
 from common.recorder import RunInfo, RunRecorder
 from common.scenario import Scenario, scenario_to_table
 from common.zenoh_link import ZenohLink, check_endpoint, is_loopback, open_session
+from common.zenoh_log import tell_refusals
 from farhand.process import PeerWatch, say, stop_event_on_signals
 from farhand.security import guard, secure
 from farhand.summary import Tally
@@ -80,6 +81,8 @@ def operator_program(
     """Run the operator's side; returns 0 if the task was finished, else 1."""
     check_robot_name(name)
     folder = secure(tls, insecure, connect, listen, lambda line: say("operator", line), "operator", name)
+    if folder is not None:
+        tell_refusals(lambda line: say("operator", line))
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     session = random_session()
@@ -180,6 +183,8 @@ def robot_program(
     """Run the robot's side until it is told to end."""
     check_robot_name(name)
     folder = secure(tls, insecure, connect, listen, lambda line: say("robot", line), "robot", name)
+    if folder is not None:
+        tell_refusals(lambda line: say("robot", line))
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     extra = folder.settings("robot") if folder else ()

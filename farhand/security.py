@@ -52,8 +52,6 @@ def secure(
             raise EndpointError(f"endpoint {endpoint}: needs --tls DIR with this program's certificate")
     if tls:
         folder = load_folder(tls, role, robot)
-        # Zenoh itself says, on stdout, whom it refused at the handshake and why.
-        zenoh.init_log_from_env_or("error,zenoh_link_tls=warn")
         for line in folder.warnings:
             say(line)
         return folder
