@@ -103,6 +103,7 @@ class RobotState(Message, frozen=True, kw_only=True):
         min_clearance: the smallest `clearance` since the start, at the robot's own rate (m).
         arm_clearance: distance of the whole arm to the nearest obstacle (m); None where not computed.
         refused: commands refused so far, by reason.
+        received: commands that arrived so far from the session now in control, whatever became of them.
         stops: times the watchdog left `run` for a stop.
     """
 
@@ -121,6 +122,7 @@ class RobotState(Message, frozen=True, kw_only=True):
     min_clearance: Real
     arm_clearance: Real | None = None
     refused: Annotated[dict[Name, Stamp], Meta(max_length=64)] = msgspec.field(default_factory=dict)
+    received: Stamp = 0
     stops: Stamp = 0
 
 

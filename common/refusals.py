@@ -9,16 +9,12 @@ was `intercepted` (the first alone is also written when permissions are looked u
 """
 
 import re
-from collections import Counter
 from collections.abc import Callable
 
-from common.clock import to_ns
+from common.rare_lines import RareLines
 
 LEVELS = "error,zenoh_link_tls=warn,zenoh::net::routing::interceptor=trace"
 """What Zenoh must be asked to log."""
-SAY_AGAIN_AFTER = 10.0
-"""The same refusal is said at once, then as a count at most this often (s)."""
-MAX_KINDS = 64
 MAX_NAMES = 1024
 MAX_LINE = 65_536
 
@@ -56,13 +52,10 @@ class Refusals:
     """
 
     def __init__(self, say: Callable[[str], None]) -> None:
-        self._say = say
+        self._lines = RareLines(say)
         self._rest = b""
         self._names: dict[str, str] = {}
         self._wanted: dict[str, tuple[str, str, str]] = {}
-        self._texts: dict[str, str] = {}
-        self._unsaid: Counter[str] = Counter()
-        self._said_ns: dict[str, int] = {}
 
     def feed(self, chunk: bytes, now_ns: int) -> bytes:
         """Take a piece of the log as it comes, cut anywhere; returns what in it is not Zenoh's."""
@@ -82,18 +75,14 @@ class Refusals:
 
     def tick(self, now_ns: int) -> None:
         """Let time act: say the counts that have waited long enough."""
-        for kind, count in list(self._unsaid.items()):
-            if now_ns - self._said_ns[kind] >= to_ns(SAY_AGAIN_AFTER):
-                del self._unsaid[kind]
-                self._said_ns[kind] = now_ns
-                self._say(f"{self._texts[kind]} ({count} more times)")
+        self._lines.tick(now_ns)
 
     def _take(self, level: str, thread: str, target: str, text: str, now_ns: int) -> None:
         if text.startswith("Msg intercepted"):
             zid, deed, key = self._wanted.pop(thread, ("", "", ""))
             if deed:
                 name = self._names.get(zid, "somebody")
-                self._note(f"{name} {deed}", f"refused: {name} may not {deed} {key}", now_ns)
+                self._lines.note(f"{name} {deed}", f"refused: {name} may not {deed} {key}", now_ns)
         elif "is unauthorized to" in text:
             named = _NAMED.search(text)
             if named is not None and len(self._names) < MAX_NAMES:
@@ -104,16 +93,7 @@ class Refusals:
         elif target.startswith("zenoh_link_tls") and level in ("WARN", "ERROR"):
             for word, meaning in _HANDSHAKES:
                 if word in text:
-                    self._note(word, f"refused a connection: {meaning}", now_ns)
+                    self._lines.note(word, f"refused a connection: {meaning}", now_ns)
                     return
             text = text.partition(" Hint:")[0]
-            self._note(text, f"refused a connection: {text}", now_ns)
-
-    def _note(self, kind: str, text: str, now_ns: int) -> None:
-        if kind not in self._said_ns and len(self._said_ns) >= MAX_KINDS:
-            kind, text = "", "refused: more kinds than can be told apart"
-        if kind in self._said_ns:
-            self._unsaid[kind] += 1
-            return
-        self._said_ns[kind], self._texts[kind] = now_ns, text
-        self._say(text)
+            self._lines.note(text, f"refused a connection: {text}", now_ns)

@@ -195,7 +195,9 @@ def robot_program(
         guard(link.session, folder, name, "robot", lambda line: say("robot", line))
         PeerWatch("robot", ", ".join([*connect, *listen]), link.connected, stop_event)
         watched = tell_systemd(link, stop_event)
-        run_robot(scenario, name, watched, clock, stop_event, result, realtime)
+        run_robot(
+            scenario, name, watched, clock, stop_event, result, realtime, lambda line: say("robot", line)
+        )
     finally:
         link.close()
     return 0

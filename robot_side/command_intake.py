@@ -23,6 +23,8 @@ class CommandIntake:
     Attributes:
         newest: the newest command of the session in control, for the echo.
         received: commands that could be decoded.
+        from_holder: those of them that came from the session now in control, whatever became of them.
+        newest_refused: source and session of the newest that was refused, for people.
     """
 
     def __init__(self, name: str, watchdog: Watchdog) -> None:
@@ -32,6 +34,9 @@ class CommandIntake:
         self._flood: Counter[str] = Counter()
         self.newest = Newest()
         self.received = 0
+        self.from_holder = 0
+        self.newest_refused: tuple[str, int] | None = None
+        self._holder = 0
 
     def take(self, packets: Sequence[Packet], now_ns: int) -> None:
         """Judge what has arrived, in order; of a flood only the newest are looked at, the rest counted."""
@@ -45,9 +50,16 @@ class CommandIntake:
             if command is None:
                 continue
             self.received += 1
-            self._watchdog.receive(command, now_ns)
+            if not self._watchdog.receive(command, now_ns):
+                self.newest_refused = command.source, command.session
             if self._watchdog.in_control(command):
+                self._count(command.session)
                 self.newest.accept(command, min(packet.arrived_ns or now_ns, now_ns))
+
+    def _count(self, holder: int) -> None:
+        if holder != self._holder:
+            self._holder, self.from_holder = holder, 0
+        self.from_holder += 1
 
     def refused(self) -> dict[str, int]:
         """Commands refused so far, by reason, those of the watchdog among them."""
