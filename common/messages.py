@@ -103,7 +103,7 @@ class RobotState(Message, frozen=True, kw_only=True):
         min_clearance: the smallest `clearance` since the start, at the robot's own rate (m).
         arm_clearance: distance of the whole arm to the nearest obstacle (m); None where not computed.
         refused: commands refused so far, by reason.
-        received: commands that arrived so far from the session now in control, whatever became of them.
+        received: command messages that arrived so far, whatever became of them.
         stops: times the watchdog left `run` for a stop.
     """
 
@@ -187,6 +187,7 @@ class ControlReport(Message, frozen=True, kw_only=True):
         refused_there: commands refused by the robot.
         stops: stops counted by the robot.
         state_rate: states arriving per second.
+        states: states that arrived so far.
         overruns: late control ticks.
     """
 
@@ -221,4 +222,5 @@ class ControlReport(Message, frozen=True, kw_only=True):
     refused_there: Stamp
     stops: Stamp
     state_rate: Real
+    states: Stamp = 0
     overruns: Stamp

@@ -77,5 +77,6 @@ class ReportWriter:
             refused_there=sum(state.refused.values()) if state else 0,
             stops=state.stops if state else 0,
             state_rate=self._perception.state_rate(now_ns),
+            states=self._perception.states,
             overruns=overruns,
         )

@@ -22,8 +22,8 @@ class CommandIntake:
 
     Attributes:
         newest: the newest command of the session in control, for the echo.
-        received: commands that could be decoded.
-        from_holder: those of them that came from the session now in control, whatever became of them.
+        arrived: messages under the key, whatever became of them.
+        received: those of them that could be decoded.
         newest_refused: source and session of the newest that was refused, for people.
     """
 
@@ -33,14 +33,14 @@ class CommandIntake:
         self._decoder = Decoder(VelocityCommand)
         self._flood: Counter[str] = Counter()
         self.newest = Newest()
+        self.arrived = 0
         self.received = 0
-        self.from_holder = 0
         self.newest_refused: tuple[str, int] | None = None
-        self._holder = 0
 
     def take(self, packets: Sequence[Packet], now_ns: int) -> None:
         """Judge what has arrived, in order; of a flood only the newest are looked at, the rest counted."""
         commands = [packet for packet in packets if packet.key == self._key]
+        self.arrived += len(commands)
         excess = len(commands) - DECODES_PER_TICK
         if excess > 0:
             self._flood["flood"] += excess
@@ -53,13 +53,7 @@ class CommandIntake:
             if not self._watchdog.receive(command, now_ns):
                 self.newest_refused = command.source, command.session
             if self._watchdog.in_control(command):
-                self._count(command.session)
                 self.newest.accept(command, min(packet.arrived_ns or now_ns, now_ns))
-
-    def _count(self, holder: int) -> None:
-        if holder != self._holder:
-            self._holder, self.from_holder = holder, 0
-        self.from_holder += 1
 
     def refused(self) -> dict[str, int]:
         """Commands refused so far, by reason, those of the watchdog among them."""

@@ -183,7 +183,7 @@ class RobotNode:
             min_clearance=self._statistics.min_clearance,
             arm_clearance=arm_clearance,
             refused=self.intake.refused(),
-            received=self.intake.from_holder,
+            received=self.intake.arrived,
             stops=watchdog.stops,
         )
         self._state_seq += 1
