@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from farhand.process import PARENT_VARIABLE
@@ -62,7 +63,13 @@ class Hosts:
             self.close()
             raise
 
-    def start(self, host: str, *module_and_arguments: str, log: Path | None = None) -> subprocess.Popen[str]:
+    def start(
+        self,
+        host: str,
+        *module_and_arguments: str,
+        log: Path | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> subprocess.Popen[str]:
         """Run a Python module on a host; its standard output is a pipe, or goes to the log."""
         command = ["ip", "netns", "exec", self._names[host], sys.executable, "-m", *module_and_arguments]
         out = log.open("a") if log is not None else None
@@ -73,7 +80,7 @@ class Hosts:
                 stdout=out or subprocess.PIPE,
                 stderr=out or subprocess.DEVNULL,
                 text=True,
-                env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
+                env={**os.environ, **(environment or {}), PARENT_VARIABLE: str(os.getpid())},
             )
         finally:
             if out is not None:
@@ -84,6 +91,12 @@ class Hosts:
     def plug(self, host: str, up: bool) -> None:
         """Plug a host's cable in or out, at netem's end."""
         _ip("-n", self._names["netem"], "link", "set", f"to-{host}", "up" if up else "down")
+
+    def listening(self, host: str) -> list[str]:
+        """ADDRESS:PORT of everything on a host that accepts connections."""
+        command = ["ip", "netns", "exec", self._names[host], "ss", "-Hltn"]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
+        return [line.split()[3] for line in done.stdout.splitlines()]
 
     def close(self) -> None:
         """End what was started here and remove the namespaces."""
