@@ -19,6 +19,8 @@ from common.messages import ControlReport
 from common.recorder import RunInfo, RunRecorder
 from common.scenario import Scenario, scenario_to_table
 from common.zenoh_link import ZenohLink, check_endpoint, is_loopback, open_session
+from farhand.handover import HandoverServer
+from farhand.operator_name import operator_name
 from farhand.process import PeerWatch, say, stop_event_on_signals
 from farhand.security import guard, secure
 from farhand.summary import Tally
@@ -76,10 +78,12 @@ def operator_program(
     tls: str = "",
     insecure: bool = False,
     router: bool = False,
+    operator: str = "",
 ) -> int:
     """Run the operator's side; returns 0 if the task was finished, else 1."""
     check_robot_name(name)
     folder = secure(tls, insecure, connect, listen, lambda line: say("operator", line), "operator", name)
+    called = operator_name(operator, folder)
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     session = random_session()
@@ -104,7 +108,8 @@ def operator_program(
         link = ZenohLink(link_session, [state_key(name), scene_key(name)], clock, heard.set)
         closing.callback(link.close)
         guard(link_session, folder, name, "operator", lambda line: say("operator", line))
-        node = make_operator(scenario, link, name, session, controller, processor_seconds)
+        node = make_operator(scenario, link, name, session, controller, processor_seconds, operator=called)
+        handover = HandoverServer(node, report_session, name, report or "")
         unheard = f"connected, but nothing comes from robot {name!r}: it is not running, or has another name"
         if folder is not None:
             unheard += f", or certificate {folder.own.name!r} is not among the members/ there"
@@ -117,6 +122,7 @@ def operator_program(
                 seed=seed,
                 versions=versions(),
                 solver=solver,
+                operator=called,
             )
             recorder = RunRecorder(record, info)
             closing.callback(recorder.close)
@@ -131,6 +137,7 @@ def operator_program(
             if seen.stop_reason != said:
                 said = seen.stop_reason
                 say("operator", said or "driving")
+            handover.serve(seen.t_sent_ns)
 
         outcome = run_operator(
             node,
