@@ -1,6 +1,7 @@
 """Handing control over: the holder's running program is told by `farhand handover` on its own host."""
 
 from collections import deque
+from typing import TYPE_CHECKING
 
 import msgspec
 import zenoh
@@ -11,8 +12,10 @@ from common.messages import RobotState
 from common.requests import MAX_REQUEST, Request, Requests, ask
 from farhand.operator_name import check_name
 from farhand.process import say
-from operator_side.operator_node import OperatorNode
 from operator_side.supervision import holder_name
+
+if TYPE_CHECKING:
+    from operator_side.operator_node import OperatorNode
 
 PATIENCE = 10.0
 GIVE_UP_NS = 5_000_000_000
@@ -63,7 +66,9 @@ class HandoverServer:
         endpoint: of that session, for the lines.
     """
 
-    def __init__(self, node: OperatorNode, session: zenoh.Session | None, robot: str, endpoint: str) -> None:
+    def __init__(
+        self, node: "OperatorNode", session: zenoh.Session | None, robot: str, endpoint: str
+    ) -> None:
         self._node = node
         self._requests = None if session is None else Requests(session, handover_key(robot))
         self._how = "start this program with --report to hand over by `farhand handover`"

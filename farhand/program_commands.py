@@ -129,7 +129,7 @@ def handover(
 ) -> None:
     """Hand control of a robot over to another operator who waits for it."""
     from farhand.handover import hand_over
-    from farhand.programs import local_only
+    from farhand.security import local_only
 
     raise typer.Exit(hand_over(local_only(connect, "--connect"), robot, to))
 

@@ -18,11 +18,11 @@ from common.keys import check_robot_name, command_key, scene_key, state_key
 from common.messages import ControlReport
 from common.recorder import RunInfo, RunRecorder
 from common.scenario import Scenario, scenario_to_table
-from common.zenoh_link import ZenohLink, check_endpoint, is_loopback, open_session
+from common.zenoh_link import ZenohLink, open_session
 from farhand.handover import HandoverServer
 from farhand.operator_name import operator_name
 from farhand.process import PeerWatch, say, stop_event_on_signals
-from farhand.security import guard, secure
+from farhand.security import guard, local_only, secure
 from farhand.summary import Tally
 from farhand.systemd import tell_systemd
 from farhand.wiring import make_operator, versions
@@ -53,14 +53,6 @@ class OperatorResult(msgspec.Struct, frozen=True, kw_only=True):
 def random_session() -> int:
     """A session for one start of a program; never 0."""
     return secrets.randbelow((1 << 62) - 1) + 1
-
-
-def local_only(endpoint: str, option: str) -> str:
-    """The endpoint if only this host can reach it; raises EndpointError otherwise."""
-    check_endpoint(endpoint)
-    if not is_loopback(endpoint):
-        raise EndpointError(f"{option} {endpoint}: must be on this host, such as tcp/127.0.0.1:7446")
-    return endpoint
 
 
 def operator_program(
@@ -134,10 +126,10 @@ def operator_program(
             tally.add(seen)
             t = (seen.t_sent_ns - (node.driving_since_ns or seen.t_sent_ns)) * 1e-9
             series.append((t, seen.rtt, seen.sigma, seen.inflation, seen.clearance))
+            handover.serve(seen.t_sent_ns)
             if seen.stop_reason != said:
                 said = seen.stop_reason
                 say("operator", said or "driving")
-            handover.serve(seen.t_sent_ns)
 
         outcome = run_operator(
             node,

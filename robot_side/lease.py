@@ -80,16 +80,13 @@ class ControlLease:
         asker = self._askers.get(session)
         return asker is not None and now_ns - asker.heard_ns <= ASKED_NS
 
-    def hand_over(self, successor: int, now_ns: int) -> bool:
-        """Pass control to a session that waits; False, and nothing happens, if it does not.
+    def hand_over(self, successor: int, now_ns: int) -> None:
+        """Pass control to a session that waits.
 
         The successor has the timeout to be heard from; nobody else can take control meanwhile.
         """
-        if not self.waits(successor, now_ns):
-            return False
         self.holder, self.holder_name = successor, self._askers.pop(successor).name
         self._heard_ns = self.since_ns = now_ns
-        return True
 
     def release(self, now_ns: int) -> None:
         """The holder gives control up."""
