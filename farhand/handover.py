@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 PATIENCE = 10.0
 GIVE_UP_NS = 5_000_000_000
+TELL_PERIOD_NS = 1_000_000_000
 REMEMBERED_ASKERS = 64
 
 
@@ -76,21 +77,29 @@ class HandoverServer:
             self._how = f"`farhand handover --robot {robot} --connect {endpoint}` hands over"
         self._told: deque[int] = deque(maxlen=REMEMBERED_ASKERS)
         self._pending: tuple[Request, int, str] | None = None
-        self._give_up_ns = 0
+        self._give_up_ns = self._tell_ns = 0
 
     def serve(self, now_ns: int) -> None:
         """Look at what has come; in the node's thread, after its tick at `now_ns`."""
-        state = self._node.state
-        if state is not None and state.holder == self._node.session:
-            for session, name in state.waiting:
-                if session not in self._told:
-                    self._told.append(session)
-                    say("operator", f"{name} asks for control; {self._how}")
+        if now_ns >= self._tell_ns:
+            self._tell(now_ns)
         if self._pending is not None and (self._node.successor == 0 or now_ns > self._give_up_ns):
             self._node.hand_over(0)
             self._conclude(*self._pending)
         if self._requests is not None and (request := self._requests.pop()) is not None:
             self._begin(request, now_ns)
+
+    def _tell(self, now_ns: int) -> None:
+        """Say who asks, each once, and at most one a second whatever a stranger sends."""
+        state = self._node.state
+        if state is None or state.holder != self._node.session:
+            return
+        new = [one for one in state.waiting if one[0] not in self._told]
+        if new:
+            session, name = new[0]
+            self._told.append(session)
+            self._tell_ns = now_ns + TELL_PERIOD_NS
+            say("operator", f"{name} asks for control; {self._how}")
 
     def _begin(self, request: Request, now_ns: int) -> None:
         try:
