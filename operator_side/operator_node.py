@@ -83,18 +83,12 @@ class OperatorNode:
         self._supervision = Supervision(session, operator)
         self._writer = ReportWriter(operator, session, self._perception, self.round_trip)
         self._seq = -1
-        self._resynchronising = False
-        self._controlling_since_ns: int | None = None
+        self.driving_since_ns: int | None = None  # instant of the first `run` command
 
     @property
     def finished(self) -> bool:
         """Whether the device has nothing left to do."""
         return self.device.finished
-
-    @property
-    def driving_since_ns(self) -> int | None:
-        """Instant of the first `run` command; None before it."""
-        return self._controlling_since_ns
 
     @property
     def state(self) -> RobotState | None:
@@ -151,8 +145,8 @@ class OperatorNode:
                 filtered, why = self._decide_plan(steering, prediction, margin, state, scene, now_ns)
                 solve_time = self._stopwatch() - started if self._stopwatch else 0.0
                 reason = why or reason
-                if self._controlling_since_ns is None:
-                    self._controlling_since_ns = now_ns
+                if self.driving_since_ns is None:
+                    self.driving_since_ns = now_ns
         desired = steering.velocity if steering is not None else ZERO
         velocities = self._velocities(filtered)
         payload = None
