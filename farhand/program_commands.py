@@ -47,6 +47,12 @@ def operator(
     tls: TlsOption = "",
     insecure: InsecureOption = False,
     router: RouterOption = False,
+    name: Annotated[
+        str,
+        typer.Option(
+            help="What others call this operator [default: the certificate's name, else USER@HOST]."
+        ),
+    ] = "",
 ) -> None:
     """The operator's side: steering device, state predictor, safety margin, MPC with barrier functions.
 
@@ -73,6 +79,7 @@ def operator(
         tls=tls,
         insecure=insecure,
         router=router,
+        operator=name,
     )
     raise typer.Exit(code)
 
@@ -109,6 +116,22 @@ def robot(
             router=router,
         )
     )
+
+
+def handover(
+    to: Annotated[
+        str, typer.Option(help="Name of who shall get control [default: the only one who waits].")
+    ] = "",
+    connect: Annotated[
+        str, typer.Option(help="The --report endpoint of this host's operator, which holds control.")
+    ] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+) -> None:
+    """Hand control of a robot over to another operator who waits for it."""
+    from farhand.handover import hand_over
+    from farhand.security import local_only
+
+    raise typer.Exit(hand_over(local_only(connect, "--connect"), robot, to))
 
 
 def robots(
@@ -168,5 +191,5 @@ def tap(
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (operator, robot, robots, doctor, watch, tap):
+    for command in (operator, robot, handover, robots, doctor, watch, tap):
         app.command()(command)

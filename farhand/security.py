@@ -15,6 +15,14 @@ def local_endpoint(port: int, tls: str) -> str:
     return f"{'tls' if tls else 'tcp'}/127.0.0.1:{port}"
 
 
+def local_only(endpoint: str, option: str) -> str:
+    """The endpoint if only this host can reach it; raises EndpointError otherwise."""
+    check_endpoint(endpoint)
+    if not is_loopback(endpoint):
+        raise EndpointError(f"{option} {endpoint}: must be on this host, such as tcp/127.0.0.1:7446")
+    return endpoint
+
+
 def secure(
     tls: str,
     insecure: bool,

@@ -10,7 +10,8 @@ from robot_side.watchdog import Watchdog
 LOOK_EVERY = 0.25
 _MEANINGS = {
     "foreign-session": "another session holds control",
-    "held": "another session holds control",
+    "held": "asks for control that another one holds",
+    "no-successor": "hands control over to one that does not wait for it",
     "old-seq": "not newer than the last: replayed or overtaken",
     "stale": "built on a state that is too old",
     "no-echo": "built on no state of this robot",
@@ -44,9 +45,11 @@ class Announcer:
             return
         self._next_ns = now_ns + to_ns(LOOK_EVERY)
         watchdog = self._watchdog
-        if watchdog.lease.holder != self._holder:
-            self._holder = watchdog.lease.holder
-            self._say(f"session {self._holder:x} has control" if self._holder else "nobody has control")
+        lease = watchdog.lease
+        if lease.holder != self._holder:
+            self._holder = lease.holder
+            holder = f"{lease.holder_name}, session {lease.holder:x}," if lease.holder else "nobody"
+            self._say(f"{holder} has control{self._why_free()}")
         if watchdog.stops != self._stops:
             self._stops, self._latched = watchdog.stops, True
             stop = next((c for c in reversed(watchdog.changes) if c.mode in ("stopped", "estop")), None)
@@ -61,6 +64,11 @@ class Announcer:
                 self._lines.note(reason, self._refusal(reason), now_ns, new)
         self._refused = refused
         self._lines.tick(now_ns)
+
+    def _why_free(self) -> str:
+        lease = self._watchdog.lease
+        why = {"released": "it was released", "silent": "its holder fell silent"}.get(lease.end, "")
+        return f": {why}" if why and not lease.holder else ""
 
     def _refusal(self, reason: str) -> str:
         newest = self._intake.newest_refused
