@@ -38,7 +38,7 @@ class Outcome:
         again: from its end until the robot moved again (s); None: it did not.
         oldest: age of the oldest robot state that an obeyed command was built on when it was obeyed (s).
         sent, lost: commands of the lawful operator.
-        states_lost: states of the robot that never reached the operator.
+        states_lost: states of the robot that never reached the operator (one or two are always under way).
         refused: commands that the robot refused, by reason.
         clearance: smallest distance to an obstacle (m).
         unsafe: what was not as it must be, in words; empty: safe.
@@ -99,11 +99,7 @@ def judge(seen: Seen, begin_ns: int, end_ns: int, max_age: float, tick: float) -
         oldest=oldest,
         sent=sent,
         lost=max(0, sent - increase((r["session"], r["received"]) for _, r in seen.states)),
-        states_lost=max(
-            0,
-            increase((r["session"], r["state"]) for _, r in seen.states)
-            - increase((r["session"], r["states"]) for _, r in seen.reports),
-        ),
+        states_lost=_states_lost(seen),
         refused={why: count for why, count in _refused(seen.states).items() if count},
         clearance=clearance,
         unsafe=tuple(unsafe),
@@ -118,6 +114,15 @@ def increase(counts: Iterable[tuple[int, int]]) -> int:
             total += count - before[1] if before[0] == session else count
         before = session, count
     return total
+
+
+def _states_lost(seen: Seen) -> int:
+    """States that were sent, but not in the operator's count, between its first and its last report."""
+    if not seen.reports:
+        return 0
+    first_ns, last_ns = seen.reports[0][0], seen.reports[-1][0]
+    sent = increase((r["session"], r["state"]) for t, r in seen.states if first_ns <= t <= last_ns)
+    return max(0, sent - increase((r["session"], r["states"]) for _, r in seen.reports))
 
 
 def _oldest(seen: Seen) -> tuple[float, int]:
