@@ -126,7 +126,8 @@ def perform(rig: Rig, name: str, attack: Attack) -> Attacked:
         unsafe.append("nothing was said of it")
     dead = [program for program, process in rig.programs.items() if process.poll() is not None]
     unsafe += [f"{program} ended" for program in dead]
-    return Attacked(name, found, lines[0] if lines else "", outcome, tuple(unsafe))
+    line = lines[0].replace(str(rig.certificates), "certs") if lines else ""
+    return Attacked(name, found, line, outcome, tuple(unsafe))
 
 
 def _commands(

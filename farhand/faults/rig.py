@@ -150,7 +150,7 @@ class Rig:
 
     def measure(self, fault: Callable[[], Any]) -> tuple[Outcome, Any]:
         """One fault, from steady driving to driving again: what came of it, and what `fault` returns."""
-        if not self.wait_driving(0):
+        if not self.wait_driving(self.clock.now_ns()):
             raise FarhandError(f"the robot does not drive: {self.said(dict.fromkeys(PROGRAMS, 0))}"[:2000])
         begin_ns = self.clock.now_ns()
         found = fault()
