@@ -44,7 +44,13 @@ def tell_refusals(say: Callable[[str], None]) -> None:
     os.close(writing)
     encoding, errors = sys.stdout.encoding or "utf-8", getattr(sys.stdout, "errors", None) or "strict"
     sys.stdout = open(onward, "w", encoding=encoding, errors=errors, buffering=1, closefd=False)  # noqa: SIM115
+    colour = os.environ.get("NO_COLOR")
+    os.environ["NO_COLOR"] = "1"  # asked for in Zenoh's log only
     zenoh.init_log_from_env_or(LEVELS)
+    if colour is None:
+        del os.environ["NO_COLOR"]
+    else:
+        os.environ["NO_COLOR"] = colour
     refusals, clock, pause = Refusals(say), SystemClock(), threading.Event()
 
     def read() -> None:
