@@ -1,5 +1,6 @@
 """Three hosts on one machine: network namespaces for operator, netem and robot, joined by two cables."""
 
+import itertools
 import os
 import shutil
 import subprocess
@@ -12,6 +13,9 @@ from farhand.process import PARENT_VARIABLE
 HOSTS = ("operator", "netem", "robot")
 NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT = "10.81.1.1", "10.81.2.1"
 _ADDRESSES = {"operator": ("10.81.1.2", NETEM_FOR_OPERATOR), "robot": ("10.81.2.2", NETEM_FOR_ROBOT)}
+
+
+_numbers = itertools.count()
 
 
 def why_not() -> str:
@@ -34,7 +38,8 @@ class Hosts:
     """
 
     def __init__(self) -> None:
-        self._names = {host: f"fh{os.getpid()}{host[:2]}" for host in HOSTS}
+        own = f"fh{os.getpid()}.{next(_numbers)}"
+        self._names = {host: f"{own}.{host}" for host in HOSTS}
         self._running: list[subprocess.Popen[str]] = []
         try:
             for name in self._names.values():
