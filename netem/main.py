@@ -16,7 +16,7 @@ from common.clock import SystemClock
 from common.errors import FarhandError, InputError
 from common.executor import RealtimeExecutor
 from common.keys import about_key, alive_key
-from common.presence import about
+from common.presence import answerer
 from common.tls import load_folder, watch_names
 from netem.control import ControlServer, control_endpoint
 from netem.message_log import CsvLog
@@ -121,12 +121,14 @@ def run_netem(
             tls_robot=sides["robot"],
         )
         opened.append(proxy)
-        facts = json.dumps(about("netem", folder.own if folder else None)).encode()
+        answer = answerer("netem", folder.own if folder else None)
         watched = []
         for side in (proxy.operator_link, proxy.robot_link):
-            side.announce(alive_key("netem", "netem"), facts, about_key("netem", "netem"))
+            side.announce(alive_key("netem", "netem"), answer, about_key("netem", "netem"))
             if folder is not None:
                 watched.append(watch_names(side.session, folder, f"netem-{side.name}", say))
+        if folder is not None:
+            opened.append(folder.watch_ends(say))
         node = NetemNode(
             proxy.operator_link,
             proxy.robot_link,

@@ -71,7 +71,7 @@ def robots_table(statistics: dict[str, Any], names: list[str]) -> Table:
     table = Table(title="robots", title_justify="left")
     table.add_column("robot", overflow="fold")
     table.add_column("network", overflow="fold")
-    for name in ("received", "dropped", "p50 / p99 (ms)", "RTT p50 (ms)"):
+    for name in ("received", "dropped", "p50 / p99 (ms)", "RTT (ms)"):
         table.add_column(name, justify="right")
     for name in names:
         rtt = statistics["rtt_by_robot"].get(name)

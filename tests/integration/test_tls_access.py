@@ -59,7 +59,9 @@ class Rig:
         else:
             own = read_certificate(folder / "cert.pem")
             extra = [
-                s for s in TlsFolder(folder, own, (), ()).settings("operator") if s[0] != "access_control"
+                s
+                for s in TlsFolder(folder, own, own, (), ()).settings("operator")
+                if s[0] != "access_control"
             ]
         session = open_session([endpoint or self.operator_side], mode=mode, extra=extra)
         self.sessions.append(session)
