@@ -5,6 +5,7 @@ import ssl
 from dataclasses import dataclass
 from typing import cast
 
+from common.certificate import today
 from common.tls import TlsFolder
 
 CONNECT_TIME = 3.0
@@ -69,16 +70,18 @@ def probe_tls(endpoint: str, folder: TlsFolder) -> Finding:
             except TimeoutError:
                 pass
     except ssl.SSLCertVerificationError as error:
-        remedy = (
-            "its certificate must be of the same authority, in date, and issued with --host for this name"
-        )
+        remedy = "its certificate must be of the same authority, and issued with --host for this name"
+        if "expired" in error.verify_message or "not yet valid" in error.verify_message:
+            remedy = f"is this host's clock right ({today()})? if so, `farhand certs renew` it, copy, restart there"
         return Finding("bad", what, f"its certificate is not trusted here: {error.verify_message}", remedy)
     except ssl.SSLError as error:
         if "WRONG_VERSION" in (error.reason or "") or "RECORD_LAYER" in (error.reason or ""):
             return Finding(
                 "bad", what, "there is no TLS behind the port", "start the program there with --tls"
             )
-        remedy = "is this certificate of the same authority as the other side's, and in date there?"
+        remedy = "is this certificate of the same authority as the other side's?"
+        if "EXPIRED" in (error.reason or ""):
+            remedy = "is the clock of the host there right? if so, `farhand certs renew` ours"
         return Finding("bad", what, f"our certificate was refused: {error.reason}", remedy)
     except OSError as error:
         return Finding("bad", what, f"broken off: {error}", "is there a program with --tls behind the port?")

@@ -19,10 +19,11 @@ MEET_TIME = 3.0
 STATE_TIME = 1.5
 
 
-def list_robots(connect: Sequence[str], tls: str, as_json: bool) -> int:
+def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = False) -> int:
     """Print who is there; returns 0, or 1 if nobody answered."""
     folder = secure(tls, False, connect, (), lambda line: say("robots", line))
-    session = open_session(connect, extra=folder.settings(tool_place(folder)) if folder else ())
+    extra = folder.settings(tool_place(folder)) if folder else ()
+    session = open_session(connect, mode="client" if router else "peer", extra=extra)
     try:
         if not meet(session, MEET_TIME):
             say("robots", f"{', '.join(connect)}: nobody answers; `farhand doctor` says why")
