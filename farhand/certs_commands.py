@@ -136,9 +136,12 @@ def zenohd(
     folder: Annotated[Path, typer.Argument(help="The folder of a certificate of the role router.")],
     listen: Annotated[list[str] | None, typer.Option(help="Endpoint to listen on; repeatable.")] = None,
 ) -> None:
-    """Print the configuration of a Zenoh router (zenohd) with mutual TLS and access control."""
+    """Print the configuration of a Zenoh router (zenohd) with mutual TLS and access control.
+
+    On the router's own host, since the paths of the folder's files are in it; again when members change.
+    """
     from common.tls import load_folder, nested
-    from common.zenoh_link import check_endpoint
+    from common.zenoh_link import TIMING, check_endpoint
 
     endpoints = [check_endpoint(endpoint) for endpoint in listen or ["tls/0.0.0.0:7447"]]
     for endpoint in endpoints:
@@ -149,6 +152,7 @@ def zenohd(
         ("listen/endpoints", endpoints),
         ("scouting/multicast/enabled", False),
         ("scouting/gossip/enabled", False),
+        *TIMING,
         *load_folder(folder, "router").settings("router"),
     ]
     print(json.dumps(nested(settings), indent=2))

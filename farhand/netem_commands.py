@@ -33,17 +33,26 @@ def netem(
     downlink: Annotated[str, typer.Option(help="Robot to operator, where it differs.")] = "",
     seed: Annotated[int, typer.Option(help="Seed of all draws.")] = 0,
     listen_operator: Annotated[
-        str, typer.Option(help="Endpoint that the operator's side connects to.")
-    ] = "tcp/127.0.0.1:7447",
+        str,
+        typer.Option(
+            help="Endpoint that the operator's side connects to "
+            "[default: port 7447 of this host; none with --connect-operator]."
+        ),
+    ] = "",
     listen_robot: Annotated[
-        str, typer.Option(help="Endpoint that the robot's side connects to.")
-    ] = "tcp/127.0.0.1:7448",
+        str,
+        typer.Option(
+            help="Endpoint that the robot's side connects to "
+            "[default: port 7448 of this host; none with --connect-robot]."
+        ),
+    ] = "",
     connect_operator: Annotated[
         list[str] | None,
-        typer.Option(help="Endpoint on the operator's side to connect to, such as a router."),
+        typer.Option(help="Endpoint on the operator's side to connect to, such as a Zenoh router's."),
     ] = None,
     connect_robot: Annotated[
-        list[str] | None, typer.Option(help="Endpoint on the robot's side to connect to.")
+        list[str] | None,
+        typer.Option(help="Endpoint on the robot's side to connect to, such as a Zenoh router's."),
     ] = None,
     stats: Annotated[str, typer.Option(help="Write the statistics to this JSON file at the end.")] = "",
     log: Annotated[str, typer.Option(help="Write the fate of every message to this CSV file.")] = "",
@@ -77,13 +86,13 @@ def netem(
     """Run the emulator; without a sub-command. Ctrl-C ends it and prints what it did."""
     if context.invoked_subcommand is not None:
         return
-    if tls:  # the defaults as TLS needs them
-        if listen_operator == "tcp/127.0.0.1:7447":
-            listen_operator = local_endpoint(7447, tls)
-        if listen_robot == "tcp/127.0.0.1:7448":
-            listen_robot = local_endpoint(7448, tls)
+    if not listen_operator and not connect_operator:
+        listen_operator = local_endpoint(7447, tls)
+    if not listen_robot and not connect_robot:
+        listen_robot = local_endpoint(7448, tls)
     ends = [*(connect_operator or ()), *(connect_robot or ())]
-    secure(tls, insecure, ends, [listen_operator, listen_robot], say, "netem")
+    listened = [endpoint for endpoint in (listen_operator, listen_robot) if endpoint]
+    secure(tls, insecure, ends, listened, say, "netem")
     settings = NetemSettings(
         certificates=tls,
         robot_networks=own_networks(robot_network or ()),

@@ -97,7 +97,8 @@ def _row(name: str, roles: set[str], state: RobotState | None) -> dict[str, obje
     return {
         "robot": name,
         "there": "yes" if "robot" in roles else "no",
-        "operator": "yes" if "operator" in roles else "no",
+        # An operator on our own side of an emulator shows no token here, but in what the robot says of it.
+        "operator": "yes" if "operator" in roles or (state is not None and state.holder) else "none seen",
         "mode": f"{state.mode}: {state.reason}" if state is not None else "no state",
         "control": control,
     }

@@ -13,7 +13,7 @@ class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
     """What `farhand netem` was asked for.
 
     Attributes:
-        listen_operator, listen_robot: endpoints that the two sides connect to.
+        listen_operator, listen_robot: endpoints that the two sides connect to; empty: none.
         connect_operator, connect_robot: endpoints to connect to.
         uplink, downlink: SPECs.
         seed: of all draws.
