@@ -105,6 +105,11 @@ def open_session(
             raise EndpointError(
                 f"endpoint {where}: the port is already in use; choose another or stop who has it"
             ) from None
+        if mode == "client":
+            raise EndpointError(
+                f"endpoint {where}: no Zenoh router answers there for {CLIENT_PATIENCE_MS // 1000} s; "
+                "start it, or see address and port (`farhand doctor` says more)"
+            ) from None
         raise EndpointError(f"endpoint {where}: cannot be opened: {text.splitlines()[0][:200]}") from None
 
 

@@ -1,6 +1,9 @@
 """Attackers against the emulator's TLS side over real Zenoh: none moves a robot, none sees one."""
 
+import socket
+import ssl
 import threading
+from contextlib import contextmanager, suppress
 
 import pytest
 import zenoh
@@ -11,6 +14,7 @@ from common.tls import TlsFolder, load_folder, read_certificate, watch_names
 from common.zenoh_link import open_session
 from farhand.certificates import issue, make_authority
 from farhand.doctor import examine
+from farhand.doctor_network import probe_tls
 from farhand.robots import alive, meet
 from netem.check import free_ports
 from netem.proxy import Proxy
@@ -108,6 +112,24 @@ def lawful_marker(rig):
     return alice
 
 
+@contextmanager
+def tls_server(folder):
+    """Something with TLS that takes one connection; its endpoint."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(folder / "cert.pem", folder / "key.pem")
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def serve():
+            connection, _ = listening.accept()
+            with connection, suppress(OSError):
+                context.wrap_socket(connection, server_side=True).close()
+
+        thread = threading.Thread(target=serve, daemon=True)
+        thread.start()
+        yield f"tls/127.0.0.1:{listening.getsockname()[1]}"
+        thread.join(PATIENCE)
+
+
 def test_the_lawful_operator_reaches_its_robot_only(rig):
     alice = lawful_marker(rig)
     state, other = received(alice, STATE), received(alice, "farhand/box/state")
@@ -191,6 +213,27 @@ def test_the_doctor_sees_wrong_certificates(rig, tmp_path):
     found = examine(rig.operator_side, "ur5", str(rig.folder / "operator.alice"), scenario, 1)
     assert ("good", "TLS") in {(f.level, f.what) for f in found}
     assert (found[-1].level, found[-1].what) == ("bad", "robot")
+
+
+def test_the_doctor_thinks_of_the_clock_where_a_date_is_wrong(rig, monkeypatch):
+    """Ours has ended for the other side; the other's has ended, or begins in the future, for us."""
+    ended = issue(rig.folder, "operator", "ended", ["ur5"], days=-1)
+    own = read_certificate(ended / "cert.pem")
+    found = probe_tls(rig.operator_side, TlsFolder(ended, own, own, (), ()))
+    assert found.level == "bad"
+    assert "clock of the host there" in found.remedy
+    alice = load_folder(rig.folder / "operator.alice")
+    server = issue(rig.folder, "netem", "old", days=-1)
+    with tls_server(server) as endpoint:
+        found = probe_tls(endpoint, alice)
+    assert (found.level, found.what) == ("bad", "TLS")
+    assert "this host's clock" in found.remedy
+    monkeypatch.setattr("common.certificate.utc_seconds", lambda: 0.0)
+    found, *more = examine(rig.operator_side, "ur5", str(alice.path), load_scenario("point-obstacle"), 1)
+    assert not more
+    assert found.level == "bad"
+    assert "not valid before" in found.found
+    assert "clock" in found.remedy
 
 
 def test_through_a_router_with_the_printed_configuration(rig):
