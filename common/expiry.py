@@ -56,6 +56,7 @@ def ending_line(member: Member, now: float | None = None) -> str:
         return ""
     days = max(0.0, member.days_left_at(now))
     left = f"{days:.0f} days" if days >= 2.0 else f"{days * 24.0:.0f} hours"
+    left = left if days * 24.0 >= 1.0 else "less than an hour"
     return f"certificate {member.name!r} ends in {left}, on {member.end}"
 
 

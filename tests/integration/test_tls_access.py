@@ -194,6 +194,28 @@ def test_refused_at_the_handshake(rig, tmp_path, attack):
     assert b"attack" not in {p.payload for p in rig.proxy.operator_link.receive()}
 
 
+def test_a_link_that_closes_because_a_certificate_ends_is_told_at_both_ends(rig):
+    short = load_folder(issue(rig.folder, "operator", "short", ["ur5"], days=3.0 / 86_400.0))
+    server = load_folder(rig.folder / "netem.lab")
+    assert any("operator.short" in line and "less than an hour" in line for line in server.warnings)
+    endpoint = f"tls/127.0.0.1:{free_ports(1)[0]}"
+    there = open_session(listen=[endpoint], extra=server.settings("netem-operator"))
+    here = open_session([endpoint], extra=short.settings("operator"))
+    rig.sessions += [here, there]
+    said = [threading.Event(), threading.Event()]
+    ended = "certificate 'operator.short' has ended"
+    watches = [
+        watch_names(session, folder, place, lambda line, event=event: ended in line and event.set())
+        for session, folder, place, event in (
+            (here, short, "operator", said[0]),
+            (there, server, "netem-operator", said[1]),
+        )
+    ]
+    assert all(event.wait(PATIENCE) for event in said)
+    assert watches
+    assert not meet(here, 0.5)
+
+
 def test_a_server_with_another_hosts_certificate_is_not_trusted(rig, tmp_path):
     """Right authority, wrong name: whoever stole a robot's certificate cannot play the emulator elsewhere."""
     alice = rig.connect(

@@ -1,5 +1,6 @@
 """The authority, its members' folders, and what access follows from a certificate."""
 
+import json
 import os
 import stat
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +13,7 @@ from common.certificate import read_certificate
 from common.clock import utc_seconds
 from common.errors import CertificateError, EndpointError, InputError
 from common.expiry import ExpiryWatch
+from common.presence import answerer
 from common.tls import load_folder, nested
 from farhand.certificates import exclusive, issue, make_authority, members, renew
 from farhand.security import secure
@@ -234,8 +236,15 @@ def test_a_running_program_warns_once_a_day_and_at_the_end(authority):
     assert len(watch.step(start)) == 1  # the clock was put back, to where one is near its end
 
 
-def test_a_tampered_date_does_not_silence_the_watch(authority):
-    """A clock put back by a year does not stop the warnings for a year."""
+def test_a_program_answers_with_the_days_left_now_not_those_of_its_start(authority, monkeypatch):
+    answer = answerer("robot", read_certificate(authority / "robot.ur5" / "cert.pem"))
+    first = json.loads(answer())
+    now = utc_seconds()
+    monkeypatch.setattr("common.certificate.utc_seconds", lambda: now + 100 * 86_400.0)
+    assert json.loads(answer())["days_left"] == pytest.approx(first["days_left"] - 100, abs=0.1)
+
+
+def test_a_clock_that_is_put_back_does_not_silence_the_watch(authority):
     own = read_certificate(issue(authority, "operator", "alice", ["ur5"], days=20, force=True) / "cert.pem")
     start = utc_seconds()
     watch = ExpiryWatch([own], start)
