@@ -135,6 +135,9 @@ def renew(
 def zenohd(
     folder: Annotated[Path, typer.Argument(help="The folder of a certificate of the role router.")],
     listen: Annotated[list[str] | None, typer.Option(help="Endpoint to listen on; repeatable.")] = None,
+    connect: Annotated[
+        list[str] | None, typer.Option(help="Endpoint of another router to connect to; repeatable.")
+    ] = None,
 ) -> None:
     """Print the configuration of a Zenoh router (zenohd) with mutual TLS and access control.
 
@@ -144,12 +147,17 @@ def zenohd(
     from common.zenoh_link import TIMING, check_endpoint
 
     endpoints = [check_endpoint(endpoint) for endpoint in listen or ["tls/0.0.0.0:7447"]]
-    for endpoint in endpoints:
-        if not endpoint.startswith("tls/"):
-            raise CertificateError(f"--listen {endpoint}: must begin with tls/")
+    others = [check_endpoint(endpoint) for endpoint in connect or []]
+    for option, given in (("--listen", endpoints), ("--connect", others)):
+        for endpoint in given:
+            if not endpoint.startswith("tls/"):
+                raise CertificateError(f"{option} {endpoint}: must begin with tls/")
     settings: list[tuple[str, object]] = [
         ("mode", "router"),
         ("listen/endpoints", endpoints),
+        ("connect/endpoints", others),
+        ("connect/timeout_ms", -1),
+        ("connect/exit_on_failure", False),
         ("scouting/multicast/enabled", False),
         ("scouting/gossip/enabled", False),
         *TIMING,

@@ -62,10 +62,11 @@ def routers(certificates, tmp_path, capsys):
 
 
 def test_the_printed_configuration_is_one_of_zenoh(certificates, capsys):
-    zenohd(certificates / "router.hub", None)
+    zenohd(certificates / "router.hub", None, ["tls/10.0.0.9:7447"])
     config = zenoh.Config.from_json5(capsys.readouterr().out)
     assert config.get_json("mode") == '"router"'
     assert json.loads(config.get_json("listen/endpoints")) == ["tls/0.0.0.0:7447"]
+    assert json.loads(config.get_json("connect/endpoints")) == ["tls/10.0.0.9:7447"]
     assert json.loads(config.get_json("transport/link/tls/enable_mtls")) is True
     assert json.loads(config.get_json("transport/link/tx/lease")) == 1000
     access = json.loads(config.get_json("access_control"))
