@@ -115,8 +115,12 @@ def _ask(
     findings = _router(session, router)
     if "netem" in present:
         findings.append(Finding("good", "emulator", "on the way"))
-        for facts in _facts(session, about_key("netem", "netem")):
+        emulators = _facts(session, about_key("netem", "netem"))
+        for facts in emulators:
             findings += judge("emulator", facts, own)
+        if not emulators:
+            remedy = "is it overloaded, or its farhand an old one? install the same on all hosts"
+            findings.append(Finding("note", "emulator", "does not say what it is", remedy))
     else:
         findings.append(Finding("good", "emulator", "none on the way"))
     if "robot" not in present.get(robot, set()):

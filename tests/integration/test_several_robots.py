@@ -11,6 +11,8 @@ from common.keys import report_key, state_key
 from common.messages import ControlReport, RobotState
 from common.ports import free_ports
 from common.zenoh_link import open_session
+from farhand.netem_live_commands import common as share
+from farhand.netem_live_commands import set_network
 from farhand.robots import list_robots
 from netem.control import ask
 from tests.integration.test_programs_processes import Program
@@ -123,13 +125,19 @@ def test_two_robots_and_two_operators_over_one_emulator(started, tmp_path, capsy
         assert not {row["control"] for row in listed["robots"]} & {"free", "?"}
 
         # A live change is that robot's alone, and can be taken back.
-        ask(control, {"do": "set", "spec": "constant:110", "robot": "b"})
+        set_network("constant:110", "both", "b", control)
+        assert capsys.readouterr().out.splitlines() == [
+            "uplink: constant:10",
+            "downlink: constant:10",
+            "uplink of b: constant:110",
+            "downlink of b: constant:110",
+        ]
         b.wait_for_rtt(0.220, 0.300)
         a.wait_for_rtt(0.020, 0.080)
         shown = ask(control, {"do": "show"})["statistics"]
         assert shown["uplink"]["robot_specs"] == {"b": "constant:110"}
         assert shown["rtt_by_robot"]["a"]["p50"] < 0.08 < shown["rtt_by_robot"]["b"]["p50"]
-        ask(control, {"do": "common", "robot": "b"})
+        share("b", "both", control)
         b.wait_for_rtt(0.020, 0.080)
     finally:
         looking.close()

@@ -1,10 +1,12 @@
 """Each robot its own network over one emulator, from the start or by live control, in virtual time."""
 
+import io
 import json
 from typing import get_args
 
 import msgspec
 import pytest
+from rich.console import Console
 
 from common.errors import InputError
 from common.link import Packet, memory_wire
@@ -12,6 +14,8 @@ from farhand.netem_options import own_networks
 from netem.action import Action
 from netem.control import handle
 from netem.netem_node import NetemNode
+from netem.report import print_statistics
+from netem.round_trips import MAX_ROBOTS
 from netem.settings import NetemSettings
 from netem.spec import parse_spec
 from netem.timeline import parse_timeline
@@ -221,3 +225,26 @@ def test_statistics_and_actions_are_json():
     rig.ask("common", robot="arm2")
     assert rig.node.statistics()["uplink"]["below_zero"] == found["uplink"]["below_zero"]
     assert "common" in get_args(Action.__annotations__["do"])
+
+
+def test_the_table_shows_each_robots_network_and_numbers():
+    rig = Rig("constant:10", {"arm2": {"uplink": "constant:100"}})
+    rig.delays("arm1", "arm2")
+    console = Console(width=80, file=io.StringIO())
+    print_statistics(rig.node.statistics() | {"both_sides": []}, console)
+    rows = console.file.getvalue().splitlines()
+    assert any("arm1" in row and "100.0" not in row for row in rows)
+    assert any("arm2" in row and "100.0 / 100.0" in row for row in rows)
+    assert max(map(len, rows)) <= 80
+    alone = Rig("constant:10")
+    alone.delays("arm1")
+    console = Console(width=80, file=io.StringIO())
+    print_statistics(alone.node.statistics(), console)
+    assert "arm1" not in console.file.getvalue()
+
+
+def test_networks_of_robots_are_bounded():
+    rig = Rig()
+    for number in range(MAX_ROBOTS):
+        assert rig.ask("set", spec="none", robot=f"r{number}")["ok"]
+    assert "robots have had a network" in rig.ask("set", spec="none", robot="more")["error"]
