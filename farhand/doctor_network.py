@@ -5,7 +5,8 @@ import ssl
 from dataclasses import dataclass
 from typing import cast
 
-from common.certificate import today
+from common.certificate import WARN_DAYS, today
+from common.clock import utc_seconds
 from common.tls import TlsFolder
 
 CONNECT_TIME = 3.0
@@ -59,9 +60,9 @@ def probe_tls(endpoint: str, folder: TlsFolder) -> Finding:
             socket.create_connection((host, port), CONNECT_TIME) as plain,
             context.wrap_socket(plain, server_hostname=host) as secured,
         ):
-            subject = cast(
-                tuple[tuple[tuple[str, str], ...], ...], (secured.getpeercert() or {}).get("subject", ())
-            )
+            certificate = secured.getpeercert() or {}
+            subject = cast(tuple[tuple[tuple[str, str], ...], ...], certificate.get("subject", ()))
+            ends = ssl.cert_time_to_seconds(str(certificate["notAfter"]))
             names = dict(pair for group in subject for pair in group)
             secured.settimeout(REFUSAL_TIME)  # with TLS 1.3 a refusal comes after the handshake
             try:
@@ -85,4 +86,9 @@ def probe_tls(endpoint: str, folder: TlsFolder) -> Finding:
         return Finding("bad", what, f"our certificate was refused: {error.reason}", remedy)
     except OSError as error:
         return Finding("bad", what, f"broken off: {error}", "is there a program with --tls behind the port?")
-    return Finding("good", what, f"{names.get('commonName', '?')} and {folder.own.name} accept each other")
+    name, days = names.get("commonName", "?"), (ends - utc_seconds()) / 86_400.0
+    found = f"{name} and {folder.own.name} accept each other"
+    if days <= WARN_DAYS:
+        remedy = f"`farhand certs renew {name}`, copy the folder there, restart"
+        return Finding("note", what, f"{found}; {name} has {days:.0f} days left", remedy)
+    return Finding("good", what, found)

@@ -121,8 +121,8 @@ def tls_server(folder):
 
         def serve():
             connection, _ = listening.accept()
-            with connection, suppress(OSError):
-                context.wrap_socket(connection, server_side=True).close()
+            with connection, suppress(OSError), context.wrap_socket(connection, server_side=True) as secured:
+                secured.recv(1)  # until the other end closes it
 
         thread = threading.Thread(target=serve, daemon=True)
         thread.start()
@@ -245,6 +245,11 @@ def test_the_doctor_thinks_of_the_clock_where_a_date_is_wrong(rig, monkeypatch):
     assert found.level == "bad"
     assert "clock of the host there" in found.remedy
     alice = load_folder(rig.folder / "operator.alice")
+    with tls_server(issue(rig.folder, "router", "nearly", days=5)) as endpoint:
+        found = probe_tls(endpoint, alice)
+    assert (found.level, found.what) == ("note", "TLS")
+    assert "router.nearly has 5 days left" in found.found
+    assert "renew router.nearly" in found.remedy
     server = issue(rig.folder, "netem", "old", days=-1)
     with tls_server(server) as endpoint:
         found = probe_tls(endpoint, alice)
