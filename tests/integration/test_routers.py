@@ -4,6 +4,7 @@
 """
 
 import json
+import signal
 
 import pytest
 import zenoh
@@ -120,4 +121,5 @@ def test_tasks_through_routers_and_an_emulator_between_two_of_them(
         for f in examine(hub, "ur5", tls, load_scenario(str(scenario)), 1)
     )
     for each in (*robots, netem):
-        assert each.interrupt() == 0
+        each.process.send_signal(signal.SIGINT)
+    assert [each.process.wait(PATIENCE) for each in (*robots, netem)] == [0, 0, 0]

@@ -1,6 +1,7 @@
 """The real programs: two robots and two operators over one emulator, each with a network of its own."""
 
 import json
+import signal
 import threading
 from collections import deque
 
@@ -144,5 +145,7 @@ def test_two_robots_and_two_operators_over_one_emulator(started, tmp_path, capsy
         for each in seen.values():
             each.session.close()
     for program in running:
-        program.interrupt()
+        program.process.send_signal(signal.SIGINT)
+    for program in running:
+        program.process.wait(PATIENCE)
     assert netem.interrupt() == 0  # every message is accounted for
