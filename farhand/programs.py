@@ -108,6 +108,8 @@ def operator_program(
         unheard = f"connected, but nothing comes from robot {name!r}: it is not running, or has another name"
         if folder is not None:
             unheard += f", or certificate {folder.own.name!r} is not among the members/ there"
+        if not router:
+            unheard += ", or behind a Zenoh router, which needs --router on both sides"
         PeerWatch("operator", where, link.connected, stop_event, heard.is_set, unheard)
         if record is not None:
             info = RunInfo(

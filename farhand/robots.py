@@ -21,10 +21,11 @@ MEET_TIME = 3.0
 STATE_TIME = 1.5
 
 
-def list_robots(connect: Sequence[str], tls: str, as_json: bool) -> int:
+def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = False) -> int:
     """Print who is there; returns 0, or 1 if nobody answered."""
     folder = secure(tls, False, connect, (), lambda line: say("robots", line))
-    session = open_session(connect, extra=folder.settings(tool_place(folder)) if folder else ())
+    extra = folder.settings(tool_place(folder)) if folder else ()
+    session = open_session(connect, mode="client" if router else "peer", extra=extra)
     try:
         if not meet(session, MEET_TIME):
             say("robots", f"{', '.join(connect)}: nobody answers; `farhand doctor` says why")
@@ -99,7 +100,8 @@ def _row(name: str, roles: set[str], state: RobotState | None) -> dict[str, obje
     return {
         "robot": name,
         "there": "yes" if "robot" in roles else "no",
-        "operator": "yes" if "operator" in roles else "no",
+        # An operator on our own side of an emulator shows no token here, but in what the robot says of it.
+        "operator": "yes" if "operator" in roles or (state is not None and state.holder) else "none seen",
         "mode": f"{state.mode}: {state.reason}" if state is not None else "no state",
         "control": control,
         "waiting": ", ".join(name for _, name in state.waiting) if state is not None else "",

@@ -85,10 +85,11 @@ _kept: list[object] = []
 def guard(
     session: zenoh.Session, folder: TlsFolder | None, robot: str, role: str, say: Callable[[str], None]
 ) -> None:
-    """Show that a program is there, and say who connects to it without any right."""
+    """Show that a program is there, and say who connects to it without any right, and which certificate ends."""
     _kept.append(Presence(session, robot, role, folder.own if folder else None))
     if folder is not None:
         _kept.append(watch_names(session, folder, role, say))
+        _kept.append(folder.watch_ends(say))
 
 
 def tool_place(folder: TlsFolder) -> str:

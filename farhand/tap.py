@@ -19,7 +19,7 @@ def describe(payload: bytes) -> str:
         return f"{len(payload)} bytes, not MessagePack: {payload[:32].hex(' ')}{' …' * (len(payload) > 32)}"
 
 
-def run_tap(endpoint: str, key: str, count: int | None) -> int:
+def run_tap(endpoint: str, key: str, count: int | None, router: bool = False) -> int:
     """Print what travels under `key` at `endpoint` until Ctrl-C or `count` messages."""
     check_endpoint(endpoint)
     try:
@@ -29,7 +29,7 @@ def run_tap(endpoint: str, key: str, count: int | None) -> int:
         raise InputError(f"--key {key!r}: not a Zenoh key expression: {what}") from None
     stop_event = stop_event_on_signals()
     waiting: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
-    session = open_session([endpoint])
+    session = open_session([endpoint], mode="client" if router else "peer")
 
     def connected() -> bool:
         return bool(session.info.peers_zid() or session.info.routers_zid())

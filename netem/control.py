@@ -43,7 +43,12 @@ def handle(node: NetemNode, payload: bytes, now_ns: int) -> bytes:
     if action is None:
         return msgspec.json.encode({"ok": True, "statistics": node.statistics()})
     specs = {name: str(direction.chain.spec) for name, direction in node.directions.items()}
-    return msgspec.json.encode({"ok": True, "specs": specs})
+    own = {
+        name: {robot: str(chain.spec) for robot, chain in sorted(direction.own_chains.items())}
+        for name, direction in node.directions.items()
+    }
+    seen = sorted({robot for direction in node.directions.values() for robot in direction.robots})
+    return msgspec.json.encode({"ok": True, "specs": specs, "robot_specs": own, "seen": seen})
 
 
 def _decode(payload: bytes) -> Action | None:

@@ -35,7 +35,8 @@ def settings(folder: str, authority: str) -> list[tuple[str, object]]:
     own: list[tuple[str, object]] = []
     if folder:
         path = Path(folder)
-        member = TlsFolder(path, read_certificate(path / "cert.pem"), (), ())
+        authority_of = read_certificate(path / "ca.pem")
+        member = TlsFolder(path, authority_of, read_certificate(path / "cert.pem"), (), ())
         own = [each for each in member.settings("operator") if each[0] != "access_control"]
     if authority:
         own.append(("transport/link/tls/root_ca_certificate", authority))

@@ -153,6 +153,16 @@ BAD = [
     (["tap", "tcp/127.0.0.1:20001", "--count", "0"], "--count"),
     (["netem", "--uplink", "gaussian:5"], "gaussian"),
     (["netem", "--listen-robot", "nowhere"], "nowhere"),
+    (["netem", "--robot-network", "arm2"], "arm2"),
+    (["netem", "--robot-network", "arm2:up=none"], "NAME:uplink"),
+    (["netem", "--robot-network", "arm2=none", "--robot-network", "arm2=loss:1%"], "twice"),
+    (["netem", "--robot-network", "arm2=none", "--backend", "tc"], "--robot-network"),
+    (["netem", "set", "none", "--robot", "a/b"], "a/b"),
+    (["certs", "issue", "operator", "al ice", "--robot", "ur5"], "al ice"),
+    (["certs", "renew", "../x"], "../x"),
+    (["certs", "init", "--dir", "/proc/nothing"], "/proc/nothing"),
+    (["certs", "init", "--name", ""], "--name"),
+    (["certs", "show", "."], "farhand certs init"),
 ]
 
 
