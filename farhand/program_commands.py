@@ -186,11 +186,12 @@ def tap(
     key: Annotated[str, typer.Option(help="Key expression to listen to.")] = "**",
     count: Annotated[int | None, typer.Option(min=1, help="End after this many messages.")] = None,
     router: RouterOption = False,
+    tls: TlsOption = "",
 ) -> None:
     """Print whatever travels: any MessagePack, decoded without knowledge of Farhand's messages."""
     from farhand.tap import run_tap
 
-    raise typer.Exit(run_tap(endpoint, key, count, router))
+    raise typer.Exit(run_tap(endpoint, key, count, router, tls))
 
 
 def register(app: typer.Typer) -> None:
