@@ -2,127 +2,48 @@
 
 tc-netem acts on what leaves a device: the device on the robot's side carries the uplink, the one on the
 operator's side the downlink. What netem measures and reports then holds the kernel's part as the round trip.
+
+A device's queueing discipline that somebody set is not touched but refused. What a killed emulation has left
+behind bears HANDLE, and is taken away before the next begins: `tc qdisc replace` would keep parts of it.
 """
 
 import json
-import os
 import socket
-import subprocess
-import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import msgspec
 
 from common.errors import InputError
-from netem.main import NetemSettings
+from netem.main import NetemSettings, say
 from netem.spec import parse_spec
-from netem.tc_words import LIMIT, TABLE, KernelNetwork, kernel_network
-
-Run = Callable[[Sequence[str], Mapping[str, str]], tuple[int, str, str]]
-"""Runs a command with further environment variables; returns exit code, stdout, stderr."""
+from netem.tc_host import HANDLE, Run, claim, find_device, refusal, run_command
+from netem.tc_words import TABLE, KernelNetwork, kernel_network
 
 
 class Device(NamedTuple):
-    """What a network device is to emulate."""
+    """What a network device is to emulate, and which direction goes out there."""
 
     name: str
     network: KernelNetwork
-
-
-def run_command(command: Sequence[str], environment: Mapping[str, str]) -> tuple[int, str, str]:
-    """Run a command; exit code 127 where there is none of that name."""
-    try:
-        done = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            timeout=10,
-            check=False,
-            env=os.environ | dict(environment),
-        )
-    except FileNotFoundError:
-        return 127, "", f"{command[0]}: not found"
-    except subprocess.TimeoutExpired:
-        return 124, "", f"{command[0]}: no answer within 10 s"
-    return done.returncode, done.stdout, done.stderr
+    direction: str = ""
 
 
 def set_commands(device: Device) -> list[list[str]]:
     """The commands that start the emulation on a device; none where there is nothing to emulate."""
     if not device.network.arguments:
         return []
-    commands = [
-        [
-            "tc",
-            "qdisc",
-            "replace",
-            "dev",
-            device.name,
-            "root",
-            "handle",
-            "1:",
-            "netem",
-            *device.network.arguments,
-        ]
-    ]
-    if device.network.in_order:
-        # netem's own inner queue sorts by the drawn time; a plain queue keeps the order of arrival (tc-netem(8)).
-        pfifo = ["parent", "1:1", "handle", "10:", "pfifo", "limit", str(LIMIT)]
-        commands.append(["tc", "qdisc", "add", "dev", device.name, *pfifo])
-    return commands
+    add = ["tc", "qdisc", "add", "dev", device.name, "root", "handle", HANDLE]
+    return [[*add, "netem", *device.network.arguments]]
 
 
 def remove_command(device: Device) -> list[str]:
     """The command that ends the emulation."""
     return ["tc", "qdisc", "del", "dev", device.name, "root"]
-
-
-def refusal(command: Sequence[str], stderr: str) -> InputError:
-    """What to tell the user of a command that failed, in one line."""
-    if "not permitted" in stderr or "denied" in stderr:
-        why = "needs the capability NET_ADMIN: run as root, in a container with cap_add: [NET_ADMIN]"
-    elif "qdisc" in stderr and ("unknown" in stderr.lower() or "not found" in stderr):
-        why = "this kernel has no sch_netem (modprobe sch_netem); use --backend message"
-    elif command[0] in stderr and "not found" in stderr:
-        why = f"there is no program {command[0]!r}; install iproute2"
-    elif "Cannot find device" in stderr:
-        why = f"there is no network device {command[4]!r}"
-    else:
-        why = f"{' '.join(command)}: {' '.join(stderr.split())[:200]}"
-    return InputError(f"--backend tc: {why}")
-
-
-def device_with(address: str, addresses: str) -> str | None:
-    """Name of the device that has an address, by the JSON of `ip -json address`; None if there is none."""
-    for device in json.loads(addresses or "[]"):
-        if any(each.get("local") == address for each in device.get("addr_info", [])):
-            return str(device["ifname"])
-    return None
-
-
-def find_device(endpoint: str, option: str, run: Run = run_command) -> str:
-    """Name of the device that an endpoint listens on; raises InputError that tells to name it."""
-    host = endpoint.split("/", 1)[-1].rsplit(":", 1)[0].strip("[]")
-    try:
-        address = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0][4][0]
-    except OSError:
-        raise InputError(
-            f"--backend tc: the host of {endpoint} has no address; name the device with {option}"
-        ) from None
-    command = ["ip", "-json", "address"]
-    code, stdout, stderr = run(command, {})
-    if code:
-        raise refusal(command, stderr)
-    found = device_with(str(address), stdout)
-    if found is None:
-        raise InputError(
-            f"--backend tc: no device has the address {address} of {endpoint}; name the device with {option}"
-        )
-    return found
 
 
 class KernelEmulation:
@@ -136,41 +57,69 @@ class KernelEmulation:
     def __init__(self, devices: Sequence[Device], run: Run = run_command) -> None:
         self._devices, self._run = devices, run
         self._started: list[Device] = []
+        self._claims: list[socket.socket] = []
 
-    def start(self) -> None:
-        """Start all or none; raises InputError where the kernel or the rights do not allow it."""
-        for device in self._devices:
-            with tempfile.TemporaryDirectory(prefix="farhand-tc-") as folder:
-                environment = {}
-                if device.network.table is not None:
-                    (Path(folder) / f"{TABLE}.dist").write_text(device.network.table.text(), encoding="ascii")
-                    environment = {"TC_LIB_DIR": folder}
-                for command in set_commands(device):
-                    code, _, stderr = self._run(command, environment)
-                    if code:
-                        self.stop()
-                        raise refusal(command, stderr)
-                    if device not in self._started:
-                        self._started.append(device)
+    def start(self) -> list[str]:
+        """Start all or none; returns a line for each device on which something had been left behind.
+
+        Raises InputError where the kernel or the rights do not allow it, or the device is taken.
+        """
+        try:
+            return [line for device in self._devices for line in self._start(device)]
+        except BaseException:
+            self.stop()
+            raise
 
     def stop(self) -> None:
         """End what was started; a device that is gone by now is fine."""
         while self._started:
             self._run(remove_command(self._started.pop()), {})
+        while self._claims:
+            self._claims.pop().close()
 
-    def counted(self) -> list[str]:
-        """One line a device: packets sent and dropped."""
-        lines = []
+    def counted(self) -> list[dict[str, Any]]:
+        """What each device sent and dropped, in packets; without those that are gone."""
+        found = []
         for device in self._started:
-            code, stdout, _ = self._run(
-                ["tc", "-s", "-json", "qdisc", "show", "dev", device.name, "root"], {}
+            try:
+                root = self._root(device)
+            except InputError:
+                continue
+            counts = {"packets": root.get("packets"), "dropped": root.get("drops")}
+            found.append({"device": device.name, "direction": device.direction, **counts})
+        return found
+
+    def _start(self, device: Device) -> list[str]:
+        self._claims.append(claim(device.name))
+        root, said = self._root(device), []
+        if root.get("handle") == HANDLE:
+            self._do(remove_command(device))
+            said = [f"tc on {device.name}: took away what an emulation that was killed had left there"]
+        elif root.get("handle", "0:") != "0:":
+            raise InputError(
+                f"--backend tc: the device {device.name} has a queueing discipline already "
+                f"({root.get('kind')} {root['handle']}); remove it: {' '.join(remove_command(device))}"
             )
-            found = json.loads(stdout or "[]") if code == 0 else []
-            if found:
-                lines.append(
-                    f"tc on {device.name}: {found[0].get('packets')} packets, {found[0].get('drops')} dropped"
-                )
-        return lines
+        with tempfile.TemporaryDirectory(prefix="farhand-tc-") as folder:
+            environment = {}
+            if device.network.table is not None:
+                (Path(folder) / f"{TABLE}.dist").write_text(device.network.table.text(), encoding="ascii")
+                environment = {"TC_LIB_DIR": folder}
+            for command in set_commands(device):
+                self._do(command, environment)
+                self._started.append(device)
+        return said
+
+    def _do(self, command: Sequence[str], environment: Mapping[str, str] = MappingProxyType({})) -> str:
+        code, stdout, stderr = self._run(command, environment)
+        if code:
+            raise refusal(command, stderr)
+        return stdout
+
+    def _root(self, device: Device) -> dict[str, Any]:
+        shown = self._do(["tc", "-s", "-json", "qdisc", "show", "dev", device.name, "root"])
+        found: list[dict[str, Any]] = json.loads(shown or "[]")
+        return found[0] if found else {}
 
 
 @contextmanager
@@ -190,19 +139,33 @@ def kernel_emulation(
     for option, value in (("--timeline", settings.timeline), ("--control", settings.control)):
         if value:
             raise InputError(f"--backend tc: cannot be changed while it runs; leave {option} out")
+    if settings.robot_networks:
+        raise InputError("--backend tc: tells no robots apart; leave --robot-network out")
     uplink = kernel_network(parse_spec(settings.uplink), "uplink")
     downlink = kernel_network(parse_spec(settings.downlink), "downlink")
-    operator_device = operator_device or find_device(settings.listen_operator, "--tc-operator", run)
-    robot_device = robot_device or find_device(settings.listen_robot, "--tc-robot", run)
+    operator_device = operator_device or find_device(settings.listen_operator, "--tc-operator")
+    robot_device = robot_device or find_device(settings.listen_robot, "--tc-robot")
     if operator_device == robot_device:
         raise InputError(
             f"--backend tc: both sides are on the device {operator_device}; it takes one for each, in a network apart"
         )
-    emulation = KernelEmulation([Device(robot_device, uplink), Device(operator_device, downlink)], run)
-    emulation.start()
+    emulation = KernelEmulation(
+        [Device(robot_device, uplink, "uplink"), Device(operator_device, downlink, "downlink")], run
+    )
+    for line in emulation.start():
+        say(line)
     try:
         yield msgspec.structs.replace(settings, uplink="none", downlink="none")
-        for line in emulation.counted():
-            print(f"netem: {line}", file=sys.stderr, flush=True)
+        counted = emulation.counted()
+        for each in counted:
+            say(f"tc on {each['device']}: {each['packets']} packets, {each['dropped']} dropped")
+        if settings.stats:
+            _append(Path(settings.stats), counted)
     finally:
         emulation.stop()
+
+
+def _append(stats: Path, counted: list[dict[str, Any]]) -> None:
+    """Put the kernel's counts beside the proxy's."""
+    statistics = json.loads(stats.read_text(encoding="utf-8")) | {"tc": counted}
+    stats.write_text(json.dumps(statistics, indent=1) + "\n", encoding="utf-8")

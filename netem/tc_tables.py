@@ -1,8 +1,9 @@
-"""Distributions for tc-netem that it does not bring: tables of quantiles, in the form that `tc` reads.
+"""Distributions for tc-netem: tables of quantiles, in the form that `tc` reads.
 
 tc-netem draws one entry t of the table for each packet, evenly, and delays by mean + jitter * t / 8192, where
 t is a 16-bit integer. So mean and jitter are chosen here such that the table spans the whole distribution;
-tc's own tables cut it at four standard deviations. Draws are independent: a model's correlation is lost.
+tc's own tables cut it at four standard deviations (and need not be installed). Draws are independent: a
+model's correlation is lost.
 """
 
 import math
@@ -13,7 +14,11 @@ from scipy.special import gammaincinv, ndtri
 
 from common.errors import SpecError
 from common.geometry import Array
+from netem.impairments.delay import MeanSdWord
+from netem.impairments.gaussian import Gaussian
 from netem.impairments.lognormal import LogNormal
+from netem.impairments.pareto import Pareto, standard_pareto
+from netem.impairments.paretonormal import NORMAL_PART, PARETO_PART, ParetoNormal
 from netem.impairments.profile import ModelWord, ProfileWord
 from netem.impairments.replay import Empirical, open_trace
 from netem.profiles import PROFILES, load_model
@@ -57,13 +62,26 @@ def probabilities() -> Array:
     return (np.arange(SIZE) + 0.5) / SIZE
 
 
-def lognormal_table(word: LogNormal) -> Table:
-    """The quantiles of a log-normal delay."""
+def mean_sd_table(word: MeanSdWord) -> Table:
+    """The quantiles of a delay with a mean and a standard deviation."""
     mean, sd = word.mean_ns * 1e-9, word.sd_ns * 1e-9
-    if sd == 0.0 or mean == 0.0:
+    if sd == 0.0:
         return Table(word.mean_ns, 0, ())
-    spread = math.log1p((sd / mean) ** 2)
-    return table_of(mean * np.exp(math.sqrt(spread) * ndtri(probabilities()) - spread / 2))
+    if isinstance(word, LogNormal):
+        spread = math.log1p((sd / mean) ** 2)
+        return table_of(mean * np.exp(math.sqrt(spread) * ndtri(probabilities()) - spread / 2))
+    if isinstance(
+        word, Gaussian
+    ):  # within four deviations, so that `tc` shows mean and deviation as they are
+        entries = np.rint(_SCALE * ndtri(probabilities())).astype(int)
+        return Table(word.mean_ns, word.sd_ns, tuple(entries.tolist()))
+    pareto = np.array([standard_pareto(1 - p) for p in probabilities()])
+    if isinstance(word, Pareto):
+        return table_of(mean + sd * pareto)
+    if isinstance(word, ParetoNormal):
+        sums = NORMAL_PART * ndtri(probabilities()[::8])[:, None] + PARETO_PART * pareto[None, :]
+        return table_of(mean + sd * np.quantile(sums, probabilities()))
+    raise SpecError(f"--backend tc: {word.text()}: has no table; use --backend message")
 
 
 def empirical_table(word: Empirical, direction: str) -> Table:

@@ -12,7 +12,8 @@ from farhand.process import PARENT_VARIABLE
 
 HOSTS = ("operator", "netem", "robot")
 NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT = "10.81.1.1", "10.81.2.1"
-_ADDRESSES = {"operator": ("10.81.1.2", NETEM_FOR_OPERATOR), "robot": ("10.81.2.2", NETEM_FOR_ROBOT)}
+OPERATOR, ROBOT = "10.81.1.2", "10.81.2.2"
+_ADDRESSES = {"operator": (OPERATOR, NETEM_FOR_OPERATOR), "robot": (ROBOT, NETEM_FOR_ROBOT)}
 
 
 _numbers = itertools.count()
@@ -76,7 +77,7 @@ class Hosts:
         environment: Mapping[str, str] | None = None,
     ) -> subprocess.Popen[str]:
         """Run a Python module on a host; its standard output is a pipe, or goes to the log."""
-        command = ["ip", "netns", "exec", self._names[host], sys.executable, "-m", *module_and_arguments]
+        command = self.command_on(host, sys.executable, "-m", *module_and_arguments)
         out = log.open("a") if log is not None else None
         try:
             process = subprocess.Popen(
@@ -92,6 +93,14 @@ class Hosts:
                 out.close()
         self._running.append(process)
         return process
+
+    def namespace(self, host: str) -> str:
+        """Name of a host's network namespace."""
+        return self._names[host]
+
+    def command_on(self, host: str, *command: str) -> list[str]:
+        """A command such that it runs on a host."""
+        return ["ip", "netns", "exec", self._names[host], *command]
 
     def plug(self, host: str, up: bool) -> None:
         """Plug a host's cable in or out, at netem's end."""

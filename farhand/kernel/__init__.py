@@ -1,0 +1,1 @@
+"""The kernel's own emulation of networks (tc-netem), compared with that of messages."""
