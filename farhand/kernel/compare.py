@@ -40,7 +40,7 @@ NETWORKS = (
 HEADINGS = (
     "network",
     "backend",
-    "one way (ms): mean ± sd, p99",
+    "one way (ms)",
     "lost",
     "round trip (ms): mean ± sd",
     "p50",
@@ -74,18 +74,17 @@ def why_no_kernel() -> str:
 def row(found: Drive) -> tuple[str, ...]:
     """A drive as cells."""
     if found.packets is not None:
-        way = f"{_ms(found.packets['mean'])} ± {_ms(found.packets['std'])}, {_ms(found.packets['p99'])}"
-        lost = f"{found.packets['lost']:.1%} (burst {found.packets['burst']:.1f}); driving {found.lost:.1%}"
+        seen = found.packets
+        way = f"packets {_ms(seen['mean'])} ± {_ms(seen['std'])}, p99 {_ms(seen['p99'])}"
     else:
         way = f"{_ms(found.drawn)} drawn, {_ms(found.achieved)} achieved"
-        lost = f"{found.lost:.1%}"
     clearance = "-" if found.clearance is None else f"{found.clearance * 1e3:.1f}"
     time = f"{found.duration:.1f}" if found.finished else f"{found.duration:.1f}, not finished"
     return (
         found.spec,
         found.backend,
         way,
-        lost,
+        f"{found.lost:.1%}",
         f"{_ms(found.rtt['mean'])} ± {_ms(found.rtt['std'])}",
         _ms(found.rtt["p50"]),
         _ms(found.rtt["p99"]),
@@ -107,6 +106,7 @@ def compare(
     found = []
     for spec in networks:
         parse_spec(spec).prepare()
+    for spec in networks:
         backends = {"message": 0, "tc": packets}
         try:
             kernel_network(parse_spec(spec), "uplink")
