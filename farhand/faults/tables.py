@@ -58,13 +58,18 @@ def attack_row(attacked: Attacked) -> tuple[str, ...]:
     return (
         attacked.name,
         "yes" if attacked.found["connected"] else "no",
-        f"{attacked.found['sent']}{ports}",
-        str(attacked.found["read"]),
+        f"{number(attacked.found['sent'])}{ports}",
+        number(attacked.found["read"]),
         attacked.line,
         counts(outcome.refused),
         kept,
         verdict(attacked.unsafe),
     )
+
+
+def number(value: int | None) -> str:
+    """A count; a dash for what was not counted."""
+    return "-" if value is None else str(value)
 
 
 def seconds(value: float | None) -> str:
