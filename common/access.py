@@ -62,6 +62,17 @@ def access_control(own: Member, others: Iterable[Member]) -> dict[str, object]:
     }
 
 
+def readable(own: Member) -> tuple[str, ...]:
+    """Keys of the messages that a certificate lets its owner read."""
+    if own.role == "robot":
+        return tuple(map(command_key, own.robots))
+    if own.role == "operator":
+        return _seen(own.robots)
+    if own.role == "observer":
+        return _observed(own.robots)
+    return _EVERYTHING
+
+
 def _rules(other: Member, own: Member) -> list[Rule]:
     robots = other.robots
     if other.role == "operator":
@@ -71,9 +82,7 @@ def _rules(other: Member, own: Member) -> list[Rule]:
             ("ingress", ("liveliness_token",), tuple(alive_key(r, "operator") for r in robots)),
         ]
     if other.role == "observer":
-        return _reader(
-            robots, _seen(robots) + tuple(map(command_key, robots)) + tuple(map(report_key, robots))
-        )
+        return _reader(robots, _observed(robots))
     if other.role == "robot":
         about = tuple(about_key(r, "robot") for r in robots)
         return [
@@ -91,7 +100,7 @@ def _rules(other: Member, own: Member) -> list[Rule]:
         elif own.role == "robot":
             sent = tuple(map(command_key, own.robots))
         elif own.role == "observer":
-            sent = _seen(own.robots) + tuple(map(command_key, own.robots))
+            sent = _observed(own.robots)
         else:
             sent = (f"{PREFIX}/**",)
         return [
@@ -120,3 +129,8 @@ def _reader(robots: tuple[str, ...], keys: tuple[str, ...]) -> list[Rule]:
 def _seen(robots: tuple[str, ...]) -> tuple[str, ...]:
     """What a robot tells: state, scene, camera."""
     return tuple(key for r in robots for key in (state_key(r), scene_key(r), f"{PREFIX}/{r}/camera/**"))
+
+
+def _observed(robots: tuple[str, ...]) -> tuple[str, ...]:
+    """What an observer sees: what robots tell, commands, reports."""
+    return _seen(robots) + tuple(map(command_key, robots)) + tuple(map(report_key, robots))

@@ -5,18 +5,23 @@ is signed by the authority and not a file that anybody edits.
 """
 
 import ipaddress
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from cryptography import x509
 from cryptography.x509.oid import NameOID
 
-from common.clock import utc_after
+from common.clock import utc_after, utc_seconds
 from common.errors import CertificateError
 
 ROLES = ("operator", "robot", "netem", "router", "observer")
 ROBOT_URI = "farhand:robot:"
 WARN_DAYS = 30.0
+_DAY = 86_400.0
+_DNS_NAME = re.compile(
+    r"(?=.{1,253}\Z)[A-Za-z0-9_]([A-Za-z0-9_-]{0,62})(\.[A-Za-z0-9_][A-Za-z0-9_-]{0,62})*\Z"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +45,21 @@ class Member:
     @property
     def days_left(self) -> float:
         """Until the end of its validity; negative after it."""
-        return (self.certificate.not_valid_after_utc - utc_after()).total_seconds() / 86_400.0
+        return self.days_left_at(utc_seconds())
+
+    def days_left_at(self, utc: float) -> float:
+        """The same at a wall-clock time (s since 1970)."""
+        return (self.certificate.not_valid_after_utc.timestamp() - utc) / _DAY
+
+    @property
+    def days_until_valid(self) -> float:
+        """Until the beginning of its validity; negative after it."""
+        return (self.certificate.not_valid_before_utc.timestamp() - utc_seconds()) / _DAY
+
+    @property
+    def begin(self) -> str:
+        """The day on which its validity begins."""
+        return self.certificate.not_valid_before_utc.strftime("%Y-%m-%d")
 
     @property
     def end(self) -> str:
@@ -101,8 +120,11 @@ def host_name(host: str) -> x509.GeneralName:
         return x509.IPAddress(ipaddress.ip_address(host))
     except ValueError:
         pass
-    try:
-        host.encode("ascii")
-        return x509.DNSName(host)
-    except ValueError:
-        raise CertificateError(f"--host {host!r}: must be an address or a name of ASCII letters") from None
+    if not _DNS_NAME.match(host):
+        raise CertificateError(f"--host {host!r}: must be an address or a host's name, without a port")
+    return x509.DNSName(host)
+
+
+def today() -> str:
+    """The day that this host's clock shows, in UTC."""
+    return utc_after().strftime("%Y-%m-%d")

@@ -74,6 +74,11 @@ def utc_after(days: float = 0.0) -> datetime:
     return datetime.now(timezone.utc) + timedelta(days=days)
 
 
+def utc_seconds() -> float:
+    """Wall-clock time, UTC, in s since 1970; for the validity of certificates, never for control."""
+    return time.time()
+
+
 def processor_seconds() -> float:
     """A high-resolution stopwatch reading in s, for reporting how long a computation took."""
     return time.perf_counter()

@@ -39,6 +39,11 @@ def report_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/report"
 
 
+def handover_key(robot: str) -> str:
+    """Queryable of an operator's program, on its own host: hand control over."""
+    return f"{PREFIX}/{robot}/handover"
+
+
 def alive_key(robot: str, role: str) -> str:
     """Liveliness token of a program: role is operator, robot or netem (whose robot is `netem`)."""
     return f"{PREFIX}/{robot}/alive/{role}"

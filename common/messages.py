@@ -8,11 +8,12 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta, Struct
 
-SCHEMA = 1
+SCHEMA = 2
 MAX_PLAN = 256
 MAX_OBSTACLES = 1024
 MAX_TARGETS = 256
 MAX_JOINTS = 16
+MAX_WAITING = 4
 
 # Magnitudes beyond this are refused as nonsense: no position in m or velocity in m/s comes near it.
 Real = Annotated[float, Meta(ge=-1e6, le=1e6)]
@@ -22,11 +23,15 @@ Vector3 = tuple[Real, Real, Real]
 Quaternion = tuple[Real, Real, Real, Real]
 Stamp = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 Duration = Annotated[int, Meta(ge=0, le=2**62)]
-Name = Annotated[str, Meta(min_length=1, max_length=64)]
+# Names are shown on terminals: no control characters, and nothing that turns the direction of writing.
+_PRINTABLE = r"\A[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]*\Z"
+Name = Annotated[str, Meta(min_length=1, max_length=64, pattern=_PRINTABLE)]
+NameOrNone = Annotated[str, Meta(max_length=64, pattern=_PRINTABLE)]
 Text = Annotated[str, Meta(max_length=512)]
 
 CommandMode = Literal["run", "hold", "estop", "acknowledge", "release"]
 SafetyMode = Literal["run", "hold", "stopped", "estop"]
+LeaseEnd = Literal["", "released", "silent"]
 
 
 class Echo(Struct, frozen=True, forbid_unknown_fields=True):
@@ -50,7 +55,7 @@ class Message(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     Attributes:
         schema: version of these definitions.
-        source: who sent it.
+        source: who sent it: the robot's name, or the operator's as it names itself.
         session: random, new at each start of the sender's process.
         seq: counts up by one a message of this kind and session.
         t_sent_ns: sender's monotonic clock; for a command the instant at which its tick began.
@@ -73,11 +78,12 @@ class VelocityCommand(Message, frozen=True, kw_only=True):
 
     Attributes:
         mode: `run` moves; `hold` brakes; `estop` latches; `acknowledge` asks for control and clears a
-            latched stop; `release` gives control up.
+            latched stop; `release` gives control up, or hands it over to `successor`.
         velocity: tool velocity now (m/s).
         plan: the rest of the plan after `velocity`, one velocity a period (m/s).
         plan_period_ns: period of the plan.
         desired: what the operator wanted before filtering (m/s).
+        successor: with `release`: the waiting session that gets control (0: nobody).
     """
 
     mode: CommandMode
@@ -85,6 +91,7 @@ class VelocityCommand(Message, frozen=True, kw_only=True):
     plan: Annotated[tuple[Vector3, ...], Meta(max_length=MAX_PLAN)] = ()
     plan_period_ns: Annotated[int, Meta(ge=1_000_000, le=10_000_000_000)] = 100_000_000
     desired: Vector3 = (0.0, 0.0, 0.0)
+    successor: Stamp = 0
 
 
 class RobotState(Message, frozen=True, kw_only=True):
@@ -99,10 +106,15 @@ class RobotState(Message, frozen=True, kw_only=True):
         applied_for_ns: for how long it has been applied at `t_sample_ns`.
         mode, reason: state of the watchdog and why it is in it.
         holder: session that holds control (0: nobody).
+        holder_name: its name, as it named itself (empty: nobody).
+        lease_end: how the last lease ended: `released` by its holder, or its holder fell `silent`; empty
+            while none has ended.
+        waiting: session and name of those who asked in the last 3 s for control that another one holds.
         clearance: true distance from the robot's safety sphere to the nearest obstacle now (m).
         min_clearance: the smallest `clearance` since the start, at the robot's own rate (m).
         arm_clearance: distance of the whole arm to the nearest obstacle (m); None where not computed.
         refused: commands refused so far, by reason.
+        received: command messages that arrived so far, whatever became of them.
         stops: times the watchdog left `run` for a stop.
     """
 
@@ -117,10 +129,14 @@ class RobotState(Message, frozen=True, kw_only=True):
     mode: SafetyMode = "hold"
     reason: Text = ""
     holder: Stamp = 0
+    holder_name: NameOrNone = ""
+    lease_end: LeaseEnd = ""
+    waiting: Annotated[tuple[tuple[Stamp, Name], ...], Meta(max_length=MAX_WAITING)] = ()
     clearance: Real
     min_clearance: Real
     arm_clearance: Real | None = None
     refused: Annotated[dict[Name, Stamp], Meta(max_length=64)] = msgspec.field(default_factory=dict)
+    received: Stamp = 0
     stops: Stamp = 0
 
 
@@ -185,6 +201,7 @@ class ControlReport(Message, frozen=True, kw_only=True):
         refused_there: commands refused by the robot.
         stops: stops counted by the robot.
         state_rate: states arriving per second.
+        states: states that arrived so far.
         overruns: late control ticks.
     """
 
@@ -219,4 +236,5 @@ class ControlReport(Message, frozen=True, kw_only=True):
     refused_there: Stamp
     stops: Stamp
     state_rate: Real
+    states: Stamp = 0
     overruns: Stamp

@@ -4,10 +4,12 @@ import importlib.metadata
 import json
 import platform
 import threading
+from collections.abc import Callable
 
 import zenoh
 
 from common.certificate import Member
+from common.clock import utc_seconds
 from common.executor import request_realtime
 from common.keys import about_key, alive_key
 from common.messages import SCHEMA
@@ -23,7 +25,7 @@ def may_run_realtime() -> bool:
 
 
 def about(role: str, certificate: Member | None = None) -> dict[str, object]:
-    """What a program is: versions, schema, rights, and its certificate's name and days left."""
+    """What a program is: versions, schema, rights, its time of day, its certificate's name and days left."""
     try:
         version = importlib.metadata.version("farhand")
     except importlib.metadata.PackageNotFoundError:
@@ -36,10 +38,21 @@ def about(role: str, certificate: Member | None = None) -> dict[str, object]:
         "python": platform.python_version(),
         "realtime": may_run_realtime(),
     }
+    return facts | _now(certificate)
+
+
+def answerer(role: str, certificate: Member | None = None) -> Callable[[], bytes]:
+    """Gives the answer to the `about` question as JSON, with the days left at the time of asking."""
+    facts = about(role, certificate)
+    return lambda: json.dumps(facts | _now(certificate)).encode()
+
+
+def _now(certificate: Member | None) -> dict[str, object]:
+    found: dict[str, object] = {"utc": round(utc_seconds())}
     if certificate is not None:
-        facts["certificate"] = certificate.name
-        facts["days_left"] = round(certificate.days_left, 2)
-    return facts
+        found["certificate"] = certificate.name
+        found["days_left"] = round(certificate.days_left, 2)
+    return found
 
 
 class Presence:
@@ -55,10 +68,10 @@ class Presence:
     def __init__(
         self, session: zenoh.Session, robot: str, role: str, certificate: Member | None = None
     ) -> None:
-        key, answer = about_key(robot, role), json.dumps(about(role, certificate)).encode()
+        key, answer = about_key(robot, role), answerer(role, certificate)
 
         def reply(query: zenoh.Query) -> None:
-            query.reply(key, answer)
+            query.reply(key, answer())
 
         self.token = session.liveliness().declare_token(alive_key(robot, role))
         self.queryable = session.declare_queryable(key, reply)

@@ -36,6 +36,7 @@ class RunInfo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         seed: the run's seed.
         versions: of the programs and libraries.
         solver: the solver that was really used.
+        operator: the operator's name.
     """
 
     format: str = FORMAT
@@ -45,6 +46,7 @@ class RunInfo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     seed: int
     versions: dict[str, str]
     solver: str = ""
+    operator: str = "operator"
 
 
 class TickRecord(msgspec.Struct, frozen=True, array_like=True):

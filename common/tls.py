@@ -14,8 +14,9 @@ import zenoh
 from cryptography.hazmat.primitives import serialization
 
 from common.access import access_control
-from common.certificate import WARN_DAYS, Member, read_certificate, signed_by
+from common.certificate import Member, read_certificate, signed_by, today
 from common.errors import CertificateError
+from common.expiry import ExpiryThread, ending_line
 
 ACCEPTED = {
     "operator": ("netem", "router", "robot", "observer"),
@@ -34,12 +35,14 @@ class TlsFolder:
 
     Attributes:
         path: of the folder.
+        authority: the certificate that all others are signed by.
         own: the certificate of its owner.
         members: valid certificates of others.
         warnings: one line each: what ends soon, what was left out and why.
     """
 
     path: Path
+    authority: Member
     own: Member
     members: tuple[Member, ...]
     warnings: tuple[str, ...]
@@ -47,6 +50,10 @@ class TlsFolder:
     def accepted(self, place: str) -> tuple[Member, ...]:
         """Those that a session of a place (a key of ACCEPTED) deals with."""
         return tuple(member for member in self.members if member.role in ACCEPTED[place])
+
+    def watch_ends(self, say: Callable[[str], None]) -> ExpiryThread:
+        """Say once a day what ends, of all certificates in the folder; to be closed."""
+        return ExpiryThread(dict.fromkeys((self.own, self.authority, *self.members)), say)
 
     def settings(self, place: str) -> list[tuple[str, object]]:
         """The (path, value) settings of a session of a place."""
@@ -81,13 +88,19 @@ def load_folder(folder: str | Path, role: str = "", robot: str = "") -> TlsFolde
     """
     path = Path(folder).resolve()
     for name in ("ca.pem", "cert.pem", "key.pem"):
-        if not (path / name).is_file():
+        try:
+            found = (path / name).is_file()
+        except OSError as error:
+            raise CertificateError(f"--tls {folder}: cannot be read: {error.strerror}") from None
+        if not found:
             raise CertificateError(
                 f"--tls {folder}: there is no {name}; `farhand certs issue` makes such a folder"
             )
     authority, own = read_certificate(path / "ca.pem"), read_certificate(path / "cert.pem")
     _check_own(folder, authority, own, path / "key.pem", role, robot)
-    warnings = [line for line in (_ending(authority), _ending(own), _readable(path / "key.pem")) if line]
+    warnings = [
+        line for line in (ending_line(authority), ending_line(own), _readable(path / "key.pem")) if line
+    ]
     members: list[Member] = []
     for file in sorted((path / "members").glob("*.pem")):
         try:
@@ -100,8 +113,8 @@ def load_folder(folder: str | Path, role: str = "", robot: str = "") -> TlsFolde
             warnings.append(f"left out: {file.name}: {problem}")
         elif member.name != own.name:
             members.append(member)
-            warnings += [line for line in [_ending(member)] if line]
-    return TlsFolder(path, own, (*members, own), tuple(warnings))
+            warnings += [line for line in [ending_line(member)] if line]
+    return TlsFolder(path, authority, own, (*members, own), tuple(warnings))
 
 
 def watch_names(
@@ -109,13 +122,19 @@ def watch_names(
 ) -> "zenoh.LinkEventsListener[None]":
     """Say who connects with a certificate that no rule has, since Zenoh silently gives it nothing.
 
-    `say` is called in a Zenoh thread. Keep what is returned for as long as it shall watch.
+    And say of a link that closes that a certificate has ended, if one has. `say` is called in a Zenoh
+    thread. Keep what is returned for as long as it shall watch.
     """
-    known = {member.name for member in folder.accepted(place)}
+    known = {member.name: member for member in folder.accepted(place)}
 
     def linked(event: zenoh.LinkEvent) -> None:
         name = event.link.auth_identifier
-        if event.kind == zenoh.SampleKind.PUT and name not in known:
+        if event.kind != zenoh.SampleKind.PUT:
+            for member in (folder.own, known.get(name or "")):
+                if member is not None and member.days_left <= 0:
+                    say(f"the link to {event.link.dst} is closed: certificate {member.name!r} has ended")
+                    return
+        elif name not in known:
             say(
                 f"refused: {event.link.dst} has certificate {name!r}, which is not in {folder.path}/members "
                 "as one for this place; it is given nothing"
@@ -140,12 +159,18 @@ def _check_own(folder: str | Path, authority: Member, own: Member, key: Path, ro
     where = f"--tls {folder}: certificate {own.name!r}"
     if not signed_by(own, authority):
         raise CertificateError(f"{where} was not signed by the authority in ca.pem; issue it again")
+    clock = f"this host's clock says {today()}"
     if own.days_left <= 0:
         raise CertificateError(
-            f"{where} ended on {own.end}; `farhand certs renew {own.name}` makes a new one"
+            f"{where} ended on {own.end}, and {clock}; if that is right, `farhand certs renew {own.name}` "
+            "makes a new one"
         )
+    if own.days_until_valid > 0:
+        raise CertificateError(f"{where} is not valid before {own.begin}, and {clock}; is that right?")
     if authority.days_left <= 0:
-        raise CertificateError(f"--tls {folder}: the authority ended on {authority.end}; make a new one")
+        raise CertificateError(
+            f"--tls {folder}: the authority ended on {authority.end}, and {clock}; if that is right, make a new one"
+        )
     if role and own.role != role:
         raise CertificateError(f"{where} is not one of the role {role}; issue one with that role")
     if robot and robot not in own.robots:
@@ -167,18 +192,14 @@ def _problem(member: Member, authority: Member, seen: list[Member]) -> str:
     if not signed_by(member, authority):
         return "not signed by this authority"
     if member.days_left <= 0:
-        return f"ended on {member.end}"
+        return f"ended on {member.end} (this host's clock says {today()})"
+    if member.days_until_valid > 0:
+        return f"is not valid before {member.begin} (this host's clock says {today()})"
     if not member.role:
         return f"its name {member.name!r} has no role"
     if any(other.name == member.name and other.certificate != member.certificate for other in seen[:-1]):
         return f"a second certificate of the name {member.name!r}"
     return ""
-
-
-def _ending(member: Member) -> str:
-    if member.days_left > WARN_DAYS:
-        return ""
-    return f"certificate {member.name!r} ends in {max(0.0, member.days_left):.0f} days, on {member.end}"
 
 
 def _readable(key: Path) -> str:

@@ -23,6 +23,12 @@ CLIENT_PATIENCE_MS = 10_000
 BLOCK_BEFORE_CLOSE_US = 200_000
 OUTBOX_LIMIT = 256
 CLOSING_TIME = 1.0
+TIMING: tuple[tuple[str, object], ...] = (
+    ("transport/link/tx/lease", LEASE_MS),
+    ("transport/link/tx/keep_alive", 4),
+    ("transport/link/tx/queue/congestion_control/block/wait_before_close", BLOCK_BEFORE_CLOSE_US),
+)
+"""How soon a session notices that a link is dead; a router must have the same, or all wait for its 10 s."""
 _ENDPOINT = re.compile(r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:]+\]|[A-Za-z0-9_.-]+):(\d{1,5})\Z")
 _LOOPBACK = {"127.0.0.1", "localhost", "[::1]"}
 
@@ -67,15 +73,13 @@ def zenoh_config(
         ("listen/endpoints", list(listen)),
         ("scouting/multicast/enabled", False),
         ("scouting/gossip/enabled", False),
-        ("transport/link/tx/lease", LEASE_MS),
-        ("transport/link/tx/keep_alive", 4),
+        *TIMING,
         # A client's session opens only once its router is there, so its patience must end.
         ("connect/timeout_ms", CLIENT_PATIENCE_MS if mode == "client" else -1),
         ("connect/exit_on_failure", mode == "client"),
         ("connect/retry", {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}),
         ("listen/timeout_ms", 0),
         ("listen/exit_on_failure", True),
-        ("transport/link/tx/queue/congestion_control/block/wait_before_close", BLOCK_BEFORE_CLOSE_US),
         *extra,
     ]
     config = zenoh.Config()
@@ -100,6 +104,11 @@ def open_session(
         if "in use" in text or "EADDRINUSE" in text or "os error 98" in text:
             raise EndpointError(
                 f"endpoint {where}: the port is already in use; choose another or stop who has it"
+            ) from None
+        if mode == "client":
+            raise EndpointError(
+                f"endpoint {where}: no Zenoh router answers there for {CLIENT_PATIENCE_MS // 1000} s; "
+                "start it, or see address and port (`farhand doctor` says more)"
             ) from None
         raise EndpointError(f"endpoint {where}: cannot be opened: {text.splitlines()[0][:200]}") from None
 

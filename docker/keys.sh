@@ -1,8 +1,9 @@
 #!/bin/sh
-# Makes the demo's certificates once: an authority, and a folder for each program on a volume of its own. The
-# authority's secret goes with this container: nobody can be added later, and new volumes mean a new authority.
+# Makes the demo's certificates, once a year: an authority, and a folder for each program on a volume of its own.
+# The authority's secret goes with this container: nobody can be added later, and others mean a new authority.
 set -eu
-if [ -e /keys/netem/cert.pem ] && [ -e /keys/robot/cert.pem ] && [ -e /keys/operator/cert.pem ]; then
+recent=$(find /keys/netem/cert.pem /keys/robot/cert.pem /keys/operator/cert.pem -mtime -300 2>/dev/null | wc -l)
+if [ "$recent" = 3 ]; then
     echo "keys: there already"
     exit 0
 fi

@@ -1,10 +1,11 @@
 """One part of the demo in containers: `part.py netem|robot|operator`, settings from the environment.
 
 The three programs meet only through netem. The run's folder, on a volume, is where they leave their results;
-two files in it say how far the run is:
+these files in it say how far the run is:
 
-    driven   the operator has finished, or somebody's program has died: all end now and write what they have
-    ended    the summary is there: the containers may end
+    driven       the operator has finished, or a program or container has died: all end and write what they have
+    ended        the summary is there: the containers may end
+    alive.ROLE   touched while a part lives, gone when it has ended: each ends whatever became of the others
 """
 
 import os
@@ -12,15 +13,24 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+ROLES = ("netem", "robot", "operator")
 DRIVEN, ENDED = "driven", "ended"
+RESULTS = ("operator.json", "netem.json", "robot.json", "run.mcap", "run.png", "run.pdf", "summary.json")
 LOOK_EVERY = 0.2
 """How often the files are looked for (s)."""
 PATIENCE = 8.0
 """How long a program may take to end, and how long to wait for results and for the summary (s)."""
 SUMMARY_PATIENCE = 30.0
+SILENCE = 5.0
+"""How long a part that lived may give no sign before it counts as dead (s)."""
+FAREWELL = 3.0
+"""How long the operator's container waits for the others to be gone (s)."""
+DIED = "the {}'s container has died"
+FAILED = Path("/tmp/failed")
+"""Tells healthy.sh of this container that the program has ended by itself: nobody need wait for its health."""
 OPERATOR_PORT, ROBOT_PORT = 7447, 7448
 
 
@@ -30,15 +40,10 @@ def words(environment: Mapping[str, str], option: str, name: str) -> list[str]:
     return [option, value] if value else []
 
 
-def common_arguments(environment: Mapping[str, str]) -> list[str]:
-    """What operator, robot and summary must be told alike."""
-    return words(environment, "--scenario", "SCENARIO")
-
-
 def choice_arguments(environment: Mapping[str, str]) -> list[str]:
     """What the operator decides and the summary repeats."""
     return [
-        *common_arguments(environment),
+        *words(environment, "--scenario", "SCENARIO"),
         *words(environment, "--margin", "MARGIN"),
         *words(environment, "--predictor", "PREDICTOR"),
         *words(environment, "--solver", "SOLVER"),
@@ -55,12 +60,19 @@ def network_arguments(environment: Mapping[str, str]) -> list[str]:
     ]
 
 
+def security(environment: Mapping[str, str]) -> tuple[str, list[str]]:
+    """Protocol and options: TLS where the container has been given certificates, else none."""
+    folder = environment.get("TLS", "/tls")
+    if os.path.exists(f"{folder}/cert.pem"):
+        return "tls", ["--tls", folder]
+    return "tcp", ["--insecure"]
+
+
 def program_arguments(role: str, folder: Path, environment: Mapping[str, str]) -> list[str]:
     """The command line of a part's program, after `farhand`."""
-    protocol = environment.get("PROTOCOL", "tcp")
+    protocol, secured = security(environment)
     operator_side = f"{protocol}/{environment.get('NETEM_AT_OPERATOR', 'netem-operator')}:{OPERATOR_PORT}"
     robot_side = f"{protocol}/{environment.get('NETEM_AT_ROBOT', 'netem-robot')}:{ROBOT_PORT}"
-    security = environment.get("SECURITY", "").split()
     if role == "netem":
         return [
             "netem",
@@ -69,14 +81,14 @@ def program_arguments(role: str, folder: Path, environment: Mapping[str, str]) -
             *network_arguments(environment),
             *words(environment, "--seed", "SEED"),
             *words(environment, "--backend", "BACKEND"),
-            *security,
+            *secured,
         ]
     if role == "robot":
         return [
             "robot",
             *("--connect", robot_side, "--result", str(folder / "robot.json")),
-            *common_arguments(environment),
-            *security,
+            *words(environment, "--scenario", "SCENARIO"),
+            *secured,
         ]
     return [
         "operator",
@@ -84,8 +96,40 @@ def program_arguments(role: str, folder: Path, environment: Mapping[str, str]) -
         *("--record", str(folder / "run.mcap")),
         *choice_arguments(environment),
         *words(environment, "--time-limit", "TIME_LIMIT"),
-        *security,
+        *secured,
     ]
+
+
+class Peers:
+    """The signs of life of the other parts, counted in looks, since no two clocks need to agree."""
+
+    def __init__(self, role: str, folder: Path) -> None:
+        self._own = folder / f"alive.{role}"
+        self._others = {other: folder / f"alive.{other}" for other in ROLES if other != role}
+        self._seen: dict[str, tuple[int, int]] = {}
+
+    def look(self) -> str:
+        """Give a sign oneself; returns the role of a part that has fallen silent, or nothing."""
+        self._own.touch()
+        for role, path in self._others.items():
+            try:
+                stamp = path.stat().st_mtime_ns
+            except OSError:  # it has not started yet, or has ended in order
+                continue
+            last, looks = self._seen.get(role, (stamp, 0))
+            looks = looks + 1 if stamp == last else 0
+            self._seen[role] = stamp, looks
+            if looks * LOOK_EVERY > SILENCE:
+                return role
+        return ""
+
+    def leave(self) -> None:
+        """Say that one ends in order."""
+        self._own.unlink(missing_ok=True)
+
+    def gone(self) -> bool:
+        """Whether all others have ended in order."""
+        return not any(path.exists() for path in self._others.values())
 
 
 class Part:
@@ -99,23 +143,39 @@ class Part:
 
     def run(self) -> int:
         """Run the part; returns the container's exit code."""
-        if (
-            self.role == "netem"
-        ):  # the others start when it is healthy, so that nobody sees an earlier run's files
-            self.folder.mkdir(parents=True, exist_ok=True)
-            for stale in (
-                "operator.json",
-                "netem.json",
-                "robot.json",
-                "run.mcap",
-                "summary.json",
-                DRIVEN,
-                ENDED,
-            ):
-                (self.folder / stale).unlink(missing_ok=True)
+        if self.role == "netem":  # the others start after it, and see no earlier run's files
+            self.clear()
+        peers = Peers(self.role, self.folder)
+        try:
+            code = self.drive(peers)
+        finally:
+            peers.leave()
+        if self.role == "operator":
+            self.wait_until(peers.gone, FAREWELL)
+        return code
+
+    def clear(self) -> None:
+        """Make the run's folder, or remove from it what an earlier run left."""
+        if not self.folder.exists():
+            self.folder.mkdir(parents=True)
+            self.folder.chmod(0o2775)  # netem may be root, of the others' group
+        for stale in (DRIVEN, ENDED, *RESULTS, *(f"alive.{role}" for role in ROLES)):
+            (self.folder / stale).unlink(missing_ok=True)
+
+    def drive(self, peers: Peers) -> int:
+        """Run the program to the end of the drive, then see to the results; returns the container's exit code."""
+        if self.exists(DRIVEN):
+            print(f"{self.role}: not started: {self.why(0)}", file=sys.stderr, flush=True)
+            FAILED.touch()
+            if self.role == "operator":
+                self.mark(ENDED, "")
+            self.wait_until(lambda: self.exists(ENDED), SUMMARY_PATIENCE)
+            return 1
         program = self.start(program_arguments(self.role, self.folder, self.environment))
+        silent = ""
         while program.poll() is None and not self.exists(DRIVEN) and not self.told.wait(LOOK_EVERY):
-            pass
+            if silent := peers.look():
+                self.mark(DRIVEN, DIED.format(silent))
         own_end = program.poll() is not None
         code = self.end(program)
         if self.role == "operator":
@@ -123,8 +183,13 @@ class Part:
             self.mark(DRIVEN, why)
             return self.summarise(why, code)
         if own_end:
+            FAILED.touch()
             self.mark(DRIVEN, f"the {self.role} program ended with exit code {code}")
-        self.wait_for([ENDED], SUMMARY_PATIENCE)
+        elif self.told.is_set():
+            self.mark(DRIVEN, f"the {self.role}'s container was told to end")
+        if silent == "operator":
+            self.mark(ENDED, "")  # nobody will make a summary
+        self.wait_until(lambda: self.exists(ENDED), SUMMARY_PATIENCE)
         return code
 
     def why(self, code: int) -> str:
@@ -138,8 +203,8 @@ class Part:
 
     def summarise(self, why: str, code: int) -> int:
         """Wait for the others' results and make the summary; returns the demo's exit code."""
-        if not self.told.is_set():
-            self.wait_for(["netem.json", "robot.json"], PATIENCE)
+        results = [f"{role}.json" for role in ("netem", "robot") if why != DIED.format(role)]
+        self.wait_until(lambda: all(self.exists(name) for name in results), PATIENCE)
         arguments = ["summarise", str(self.folder), *choice_arguments(self.environment)]
         arguments += network_arguments(self.environment) + (["--why", why] if why else [])
         found = self.start(arguments).wait()
@@ -161,10 +226,10 @@ class Part:
                 program.kill()
         return program.wait()
 
-    def wait_for(self, names: Sequence[str], patience: float) -> None:
-        """Wait until files of the run's folder exist, the container is told to end, or patience is over."""
+    def wait_until(self, done: Callable[[], bool], patience: float) -> None:
+        """Wait until something is so, the container is told to end, or patience is over."""
         for _ in range(round(patience / LOOK_EVERY)):
-            if all(self.exists(name) for name in names) or self.told.wait(LOOK_EVERY):
+            if done() or self.told.wait(LOOK_EVERY):
                 return
 
     def exists(self, name: str) -> bool:

@@ -38,6 +38,17 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "numba/tests",
         "numba/cuda/tests",
         "pinocchio/**/tests",
+        *(f"numpy/**/tests/{name}" for name in ("test_*.py", "data", "examples", "src")),
+    ),
+    "parts of packages that no program imports": (
+        *(f"scipy/{name}" for name in ("io", "signal", "cluster", "odr", "datasets", "fftpack", "misc")),
+        "numpy/distutils",
+        "numba/cuda",
+        "tzdata",
+        "tzdata-*.dist-info",
+        *(f"PIL/_{name}.*.so" for name in ("avif", "webp", "imagingft", "imagingcms", "imagingtk")),
+        "pygments/lexers/[a-z]*.py",
+        "pygments/lexers/_[a-z]*_builtins.py",
     ),
     "PyBullet's games and OpenGL": (
         "pybullet_data",
@@ -51,7 +62,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
 }
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
 KEPT_ROBOT = "ur_description"
-OTHER_ARMS = ("meshes/ur3", "meshes/ur10")
+OTHER_MESHES = ("meshes/ur3", "meshes/ur10", "meshes/ur5/visual")
+KEPT_LEXERS = ("python.py", "special.py")
+"""What rich asks Pygments for, to show where a program failed."""
 KEPT_PLUGINS = (
     "nlpsol_ipopt",
     "nlpsol_sqpmethod",
@@ -103,24 +116,37 @@ def needed(library: Path) -> list[str]:
     return [line.split("[")[1].split("]")[0] for line in found.splitlines() if "(NEEDED)" in line]
 
 
+def unneeded(libraries: Iterable[Path], roots: Iterable[Path]) -> list[Path]:
+    """Of some libraries, those that neither the roots nor any library that they need ask for."""
+    candidates, waiting = list(libraries), list(roots)
+    by_name = {path.name: path for path in candidates}
+    kept: set[Path] = set()
+    while waiting:
+        path = waiting.pop()
+        if path in kept:
+            continue
+        kept.add(path)
+        names = [path.readlink().name] if path.is_symlink() else needed(path)
+        waiting += [by_name[name] for name in names if name in by_name]
+    return [path for path in candidates if path not in kept]
+
+
 def unwanted_solvers(casadi: Path) -> list[Path]:
     """CasADi's libraries that neither it nor a kept plugin asks for."""
-    everything = {path.name: path for path in casadi.glob("*.so*")}
-    plugins = [f"libcasadi_{name}" for name in KEPT_PLUGINS]
-    waiting = [name for name in everything if any(name.startswith(plugin) for plugin in plugins)]
-    waiting += ["_casadi.so"]
-    kept: set[str] = set()
-    while waiting:
-        name = waiting.pop()
-        if name in kept or name not in everything:
-            continue
-        kept.add(name)
-        path = everything[name]
-        if path.is_symlink():
-            waiting.append(path.readlink().name)
-        else:
-            waiting += needed(path)
-    return [path for name, path in everything.items() if name not in kept]
+    everything = list(casadi.glob("*.so*"))
+    asked_for = (*(f"libcasadi_{name}" for name in KEPT_PLUGINS), "_casadi.so")
+    return unneeded(everything, [path for path in everything if path.name.startswith(asked_for)])
+
+
+def unneeded_libraries(folder: Path) -> list[Path]:
+    """Libraries beside Pinocchio and Pillow that no module of theirs asks for."""
+    found: list[Path] = []
+    for libraries, modules in (
+        ("cmeel.prefix/lib", "cmeel.prefix/lib/python3*/**/*.so"),
+        ("pillow.libs", "PIL/*.so"),
+    ):
+        found += unneeded(folder.joinpath(libraries).glob("*.so*"), list(folder.glob(modules)))
+    return found
 
 
 def strip(folder: Path) -> None:
@@ -144,17 +170,20 @@ def main(environment: Path) -> None:
     before = weight([folder])
     for what, patterns in GROUPS.items():
         found = [path for pattern in patterns for path in folder.glob(pattern)]
-        found = [path for path in found if not any(parent in found for parent in path.parents)]
+        found = [path for path in found if path.name not in KEPT_LEXERS or path.parent.name != "lexers"]
+        everything = set(found)
+        found = [path for path in found if everything.isdisjoint(path.parents)]
         report(what, weight(found))
         remove(found)
     robots = folder / ROBOTS
     others = [path for path in robots.iterdir() if path.name != KEPT_ROBOT]
-    others += [robots / KEPT_ROBOT / name for name in OTHER_ARMS]
+    others += [robots / KEPT_ROBOT / name for name in OTHER_MESHES]
     report("descriptions of other robots", weight(others))
     remove(others)
     for what, action in (
         ("second and third copies of libraries", lambda: link_copies(folder)),
         ("solvers that CasADi brings and nobody calls", lambda: remove(unwanted_solvers(folder / "casadi"))),
+        ("libraries that nobody asks for", lambda: remove(unneeded_libraries(folder))),
         ("debugging symbols", lambda: strip(folder)),
     ):
         then = weight([folder])

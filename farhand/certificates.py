@@ -1,7 +1,11 @@
 """A small private certificate authority in a folder: its own files, and a folder for each member."""
 
+import fcntl
+import math
 import os
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from cryptography import x509
@@ -9,14 +13,41 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from common.certificate import ROBOT_URI, ROLES, Member, host_name, read_certificate
+from common.certificate import ROBOT_URI, ROLES, Member, host_name, read_certificate, today
 from common.clock import utc_after
 from common.errors import CertificateError, InputError
 from common.keys import check_robot_name
 
+_NAME = re.compile(r"[A-Za-z0-9_.-]{1,32}\Z")
 LOCAL_HOSTS = ("localhost", "127.0.0.1", "::1")
+MAX_DAYS = 36_500.0
 CLOCK_DIFFERENCE_DAYS = 1.0 / 24.0
 """A new certificate is valid from an hour ago, for hosts whose clock is behind."""
+
+
+@contextmanager
+def exclusive(folder: Path, create: bool = False) -> Iterator[None]:
+    """Hold an authority's folder, so that two commands at a time come one after the other.
+
+    Args:
+        folder: of the authority.
+        create: make it where there is none.
+
+    Raises:
+        CertificateError: also for whatever the operating system refuses in the meantime.
+    """
+    try:
+        with ExitStack() as closing:
+            if create and not folder.exists():
+                folder.mkdir(parents=True, mode=0o700, exist_ok=True)
+            if folder.is_dir():
+                descriptor = os.open(folder, os.O_RDONLY)
+                closing.callback(os.close, descriptor)
+                fcntl.flock(descriptor, fcntl.LOCK_EX)
+            yield
+    except OSError as error:
+        where = error.filename or folder
+        raise CertificateError(f"{where}: cannot be used: {(error.strerror or str(error)).lower()}") from None
 
 
 def make_authority(
@@ -27,7 +58,10 @@ def make_authority(
         raise CertificateError(
             f"{folder}: there is an authority already; --force makes a new one, which no old certificate is of"
         )
-    folder.mkdir(parents=True, exist_ok=True)
+    check_days(days)
+    if not 0 < len(name) <= 64 or not name.isprintable():
+        raise InputError(f"--name {name!r}: must be 1 to 64 printable characters")
+    folder.mkdir(parents=True, mode=0o700, exist_ok=True)
     key = ec.generate_private_key(ec.SECP256R1())
     subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, name)])
     usage = _usage(key_cert_sign=True)
@@ -56,7 +90,7 @@ def issue(
         name: of the member among those of its role; a robot's is the robot's name.
         robots: that an operator may steer, or an observer see; a robot has itself.
         hosts: names and addresses at which it listens; this host's own are always among them.
-        days: how long it is valid.
+        days: how long it is valid; the authority's own end cuts it.
         force: replace what is there.
 
     Raises:
@@ -64,8 +98,11 @@ def issue(
     """
     if role not in ROLES:
         raise InputError(f"role {role!r}: must be one of {', '.join(ROLES)}")
-    check_robot_name(name)
+    if not _NAME.match(name):
+        raise InputError(f"name {name!r}: must be 1 to 32 letters, digits, dots, dashes or underscores")
+    check_days(days)
     if role == "robot":
+        check_robot_name(name)
         robots = (name,)
     elif role in ("operator", "observer") and not robots:
         raise InputError(f"{role} {name}: say for which robot: --robot NAME, repeatable")
@@ -79,7 +116,11 @@ def issue(
         raise CertificateError(f"{target}: is there already; --force or `farhand certs renew` replaces it")
     authority, signer = _authority(folder)
     if authority.days_left <= 0:
-        raise CertificateError(f"{folder}: the authority ended on {authority.end}; make a new one")
+        raise CertificateError(
+            f"{folder}: the authority ended on {authority.end}, and this host's clock says {today()}; "
+            "if that is right, make a new one"
+        )
+    days = min(days, authority.days_left)
     key = ec.generate_private_key(ec.SECP256R1())
     subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, full_name)])
     others: list[x509.GeneralName] = [host_name(host) for host in dict.fromkeys((*hosts, *LOCAL_HOSTS))]
@@ -91,7 +132,7 @@ def issue(
     builder = builder.add_extension(x509.ExtendedKeyUsage(purposes), critical=False)
     builder = builder.add_extension(x509.SubjectAlternativeName(others), critical=False)
     certificate = builder.sign(signer, hashes.SHA256()).public_bytes(serialization.Encoding.PEM)
-    target.mkdir(exist_ok=True)
+    target.mkdir(mode=0o700, exist_ok=True)
     target.chmod(0o700)
     _write(target / "key.pem", _private(key), secret=True)
     _write(target / "cert.pem", certificate)
@@ -102,7 +143,7 @@ def issue(
 def renew(folder: Path, full_name: str, days: float = 365.0) -> Path:
     """A new key and certificate with the same name, robots and hosts; returns the member's folder."""
     path = folder / full_name / "cert.pem"
-    if not path.is_file():
+    if full_name != Path(full_name).name or not path.is_file():
         known = ", ".join(member.name for member in members(folder)) or "none"
         raise CertificateError(f"{folder}: no certificate is called {full_name!r}; there are: {known}")
     old = read_certificate(path)
@@ -140,6 +181,12 @@ def _authority(folder: Path) -> tuple[Member, ec.EllipticCurvePrivateKey]:
     if not isinstance(key, ec.EllipticCurvePrivateKey):
         raise CertificateError(f"{folder / 'ca-key.pem'}: is not a key of `farhand certs init`")
     return read_certificate(folder / "ca.pem"), key
+
+
+def check_days(days: float) -> None:
+    """Raise InputError unless a certificate can be valid for so long; a negative one has ended already."""
+    if not (math.isfinite(days) and abs(days) <= MAX_DAYS):
+        raise InputError(f"--days {days}: must be a number of days up to {MAX_DAYS:g}")
 
 
 def _builder(

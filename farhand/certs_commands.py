@@ -27,9 +27,10 @@ def init(
     force: ForceOption = False,
 ) -> None:
     """Make the authority: its certificate and its key."""
-    from farhand.certificates import make_authority
+    from farhand.certificates import exclusive, make_authority
 
-    made = make_authority(folder, name, days, force)
+    with exclusive(folder, create=True):
+        made = make_authority(folder, name, days, force)
     print(f"{folder}/ca.pem: {made.name}, valid until {made.end}; {folder}/ca-key.pem is its secret")
 
 
@@ -50,11 +51,16 @@ def issue(
     force: ForceOption = False,
 ) -> None:
     """Make a member's folder, to be copied to its host, and make it known in the folders of the others."""
+    from farhand.certificates import exclusive
     from farhand.certificates import issue as make
 
-    made = make(folder, role, name, robot or (), host or (), days, force)
+    with exclusive(folder):
+        made = make(folder, role, name, robot or (), host or (), days, force)
+        _say_validity(folder, made, days)
     print(f"{made}: copy this folder to its host and start the program with --tls")
-    print(f"copy {folder}/*/members/{role}.{name}.pem to the hosts that deal with it, and restart those")
+    print(
+        f"copy {made}/cert.pem as members/{role}.{name}.pem to the hosts that deal with it, and restart those"
+    )
 
 
 @certs_app.command()
@@ -64,16 +70,24 @@ def show(
 ) -> None:
     """List certificates: name, robots, hosts, validity, and what is wrong with them."""
     from common.certificate import WARN_DAYS, read_certificate, signed_by
-    from farhand.certificates import members
+    from farhand.certificates import exclusive, members
 
-    authority = read_certificate(folder / "ca.pem")
+    with exclusive(folder):
+        if not (folder / "ca.pem").is_file():
+            raise CertificateError(
+                f"{folder}: holds no certificates (no ca.pem); `farhand certs init` makes an authority"
+            )
+        authority = read_certificate(folder / "ca.pem")
+        known = members(folder)
     rows = []
-    for member in [authority, *members(folder)]:
+    for member in [authority, *known]:
         finding = "good"
         if not signed_by(member, authority):
             finding = "not of this authority"
         elif member.days_left <= 0:
             finding = "ended: renew"
+        elif member.days_until_valid > 0:
+            finding = "not valid yet: look at the clock"
         elif member.days_left <= WARN_DAYS:
             finding = "ends soon: renew"
         rows.append((member, finding))
@@ -103,30 +117,59 @@ def renew(
     folder: FolderOption = Path("certs"),
     days: DaysOption = 365.0,
 ) -> None:
-    """Replace a member's key and certificate by new ones with the same rights."""
+    """Replace a member's key and certificate by new ones with the same name, robots and hosts."""
+    from farhand.certificates import exclusive
     from farhand.certificates import renew as make
 
-    print(f"{make(folder, name, days)}: copy this folder to its host again, and restart the program")
+    with exclusive(folder):
+        made = make(folder, name, days)
+        _say_validity(folder, made, days)
+    print(f"{made}: copy this folder to its host again, and restart the program")
+    print(
+        f"before the old one ends, copy {made}/cert.pem as members/{name}.pem to the hosts that deal with it"
+    )
+    print("the old certificate and key stay good until their own end, wherever they are")
 
 
 @certs_app.command()
 def zenohd(
     folder: Annotated[Path, typer.Argument(help="The folder of a certificate of the role router.")],
     listen: Annotated[list[str] | None, typer.Option(help="Endpoint to listen on; repeatable.")] = None,
+    connect: Annotated[
+        list[str] | None, typer.Option(help="Endpoint of another router to connect to; repeatable.")
+    ] = None,
 ) -> None:
-    """Print the configuration of a Zenoh router (zenohd) with mutual TLS and access control."""
+    """Print the configuration of a Zenoh router (zenohd) with mutual TLS and access control.
+
+    On the router's own host, since the paths of the folder's files are in it; again when members change.
+    """
     from common.tls import load_folder, nested
-    from common.zenoh_link import check_endpoint
+    from common.zenoh_link import TIMING, check_endpoint
 
     endpoints = [check_endpoint(endpoint) for endpoint in listen or ["tls/0.0.0.0:7447"]]
-    for endpoint in endpoints:
-        if not endpoint.startswith("tls/"):
-            raise CertificateError(f"--listen {endpoint}: must begin with tls/")
+    others = [check_endpoint(endpoint) for endpoint in connect or []]
+    for option, given in (("--listen", endpoints), ("--connect", others)):
+        for endpoint in given:
+            if not endpoint.startswith("tls/"):
+                raise CertificateError(f"{option} {endpoint}: must begin with tls/")
     settings: list[tuple[str, object]] = [
         ("mode", "router"),
         ("listen/endpoints", endpoints),
+        ("connect/endpoints", others),
+        ("connect/timeout_ms", -1),
+        ("connect/exit_on_failure", False),
         ("scouting/multicast/enabled", False),
         ("scouting/gossip/enabled", False),
+        *TIMING,
         *load_folder(folder, "router").settings("router"),
     ]
     print(json.dumps(nested(settings), indent=2))
+
+
+def _say_validity(folder: Path, made: Path, asked: float) -> None:
+    """Until when a certificate is valid, and why not for as long as was asked."""
+    from common.certificate import read_certificate
+
+    own, authority = read_certificate(made / "cert.pem"), read_certificate(folder / "ca.pem")
+    cut = f" (not for {asked:g} days: the authority itself ends then)" if asked > authority.days_left else ""
+    print(f"{own.name}: valid until {own.end}{cut}")

@@ -21,6 +21,7 @@ from farhand.run_folder import (
     write_scenario,
 )
 from farhand.summarise_command import conclude
+from farhand.wiring import OPERATOR_NAME
 from netem.timeline import load_timeline
 from robot_side.registry import make_robot
 
@@ -96,11 +97,14 @@ def _run_programs(
         if timeline:
             emulated += ["--timeline", timeline]
         task = ["--scenario", settings, "--robot", name]
+        named = ["--name", OPERATOR_NAME]
         reporting = ["--report", report, "--seed", str(seed), "--time-limit", str(time_limit)]
         files = ["--record", str(folder / RECORDING), "--result", str(folder / OPERATOR)]
         children.start("netem", ["netem", *netem, *emulated])
         children.start("robot", ["robot", *task, "--connect", robot_side, "--result", str(folder / ROBOT)])
-        children.start("operator", ["operator", *task, "--connect", operator_side, *reporting, *files])
+        children.start(
+            "operator", ["operator", *named, *task, "--connect", operator_side, *reporting, *files]
+        )
         reader = ReportReader(report, name, clock)
         start_ns = clock.now_ns()
         with view:

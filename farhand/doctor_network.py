@@ -5,6 +5,8 @@ import ssl
 from dataclasses import dataclass
 from typing import cast
 
+from common.certificate import WARN_DAYS, today
+from common.clock import utc_seconds
 from common.tls import TlsFolder
 
 CONNECT_TIME = 3.0
@@ -58,9 +60,9 @@ def probe_tls(endpoint: str, folder: TlsFolder) -> Finding:
             socket.create_connection((host, port), CONNECT_TIME) as plain,
             context.wrap_socket(plain, server_hostname=host) as secured,
         ):
-            subject = cast(
-                tuple[tuple[tuple[str, str], ...], ...], (secured.getpeercert() or {}).get("subject", ())
-            )
+            certificate = secured.getpeercert() or {}
+            subject = cast(tuple[tuple[tuple[str, str], ...], ...], certificate.get("subject", ()))
+            ends = ssl.cert_time_to_seconds(str(certificate["notAfter"]))
             names = dict(pair for group in subject for pair in group)
             secured.settimeout(REFUSAL_TIME)  # with TLS 1.3 a refusal comes after the handshake
             try:
@@ -69,17 +71,24 @@ def probe_tls(endpoint: str, folder: TlsFolder) -> Finding:
             except TimeoutError:
                 pass
     except ssl.SSLCertVerificationError as error:
-        remedy = (
-            "its certificate must be of the same authority, in date, and issued with --host for this name"
-        )
+        remedy = "its certificate must be of the same authority, and issued with --host for this name"
+        if "expired" in error.verify_message or "not yet valid" in error.verify_message:
+            remedy = f"is this host's clock right ({today()})? if so, `farhand certs renew` it, copy, restart there"
         return Finding("bad", what, f"its certificate is not trusted here: {error.verify_message}", remedy)
     except ssl.SSLError as error:
         if "WRONG_VERSION" in (error.reason or "") or "RECORD_LAYER" in (error.reason or ""):
             return Finding(
                 "bad", what, "there is no TLS behind the port", "start the program there with --tls"
             )
-        remedy = "is this certificate of the same authority as the other side's, and in date there?"
+        remedy = "is this certificate of the same authority as the other side's?"
+        if "EXPIRED" in (error.reason or ""):
+            remedy = "is the clock of the host there right? if so, `farhand certs renew` ours"
         return Finding("bad", what, f"our certificate was refused: {error.reason}", remedy)
     except OSError as error:
         return Finding("bad", what, f"broken off: {error}", "is there a program with --tls behind the port?")
-    return Finding("good", what, f"{names.get('commonName', '?')} and {folder.own.name} accept each other")
+    name, days = names.get("commonName", "?"), (ends - utc_seconds()) / 86_400.0
+    found = f"{name} and {folder.own.name} accept each other"
+    if days <= WARN_DAYS:
+        remedy = f"`farhand certs renew {name}`, copy the folder there, restart"
+        return Finding("note", what, f"{found}; {name} has {days:.0f} days left", remedy)
+    return Finding("good", what, found)

@@ -78,6 +78,7 @@ def line(report: ControlReport, elapsed: float) -> str:
         f"{elapsed:5.1f} s  target {report.target_index}/{report.target_count}  "
         f"rtt {milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms  clearance {clearance}  "
         f"{report.safety or 'no robot'}{'  filter intervening' if report.intervening else ''}"
+        f"{'  ' if report.stop_reason else ''}{report.stop_reason}"
     )
 
 

@@ -66,7 +66,7 @@ TlsOption = Annotated[
     ),
 ]
 RouterOption = Annotated[
-    bool, typer.Option("--router", help="What --connect names is a Zenoh router (zenohd): be its client.")
+    bool, typer.Option("--router", help="What is connected to is a Zenoh router (zenohd): be its client.")
 ]
 InsecureOption = Annotated[
     bool, typer.Option("--insecure", help="Listen beyond this host without TLS: anybody may move the robot.")

@@ -47,6 +47,12 @@ def operator(
     tls: TlsOption = "",
     insecure: InsecureOption = False,
     router: RouterOption = False,
+    name: Annotated[
+        str,
+        typer.Option(
+            help="What others call this operator [default: the certificate's name, else USER@HOST]."
+        ),
+    ] = "",
 ) -> None:
     """The operator's side: steering device, state predictor, safety margin, MPC with barrier functions.
 
@@ -73,6 +79,7 @@ def operator(
         tls=tls,
         insecure=insecure,
         router=router,
+        operator=name,
     )
     raise typer.Exit(code)
 
@@ -111,22 +118,40 @@ def robot(
     )
 
 
+def handover(
+    to: Annotated[
+        str, typer.Option(help="Name of who shall get control [default: the only one who waits].")
+    ] = "",
+    connect: Annotated[
+        str, typer.Option(help="The --report endpoint of this host's operator, which holds control.")
+    ] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+) -> None:
+    """Hand control of a robot over to another operator who waits for it."""
+    from farhand.handover import hand_over
+    from farhand.security import local_only
+
+    raise typer.Exit(hand_over(local_only(connect, "--connect"), robot, to))
+
+
 def robots(
     connect: ConnectOption = None,
     tls: TlsOption = "",
+    router: RouterOption = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """List who is there: robots, their operators and emulators, and who holds control."""
     from farhand.robots import list_robots
     from farhand.security import local_endpoint
 
-    raise typer.Exit(list_robots(connect or [local_endpoint(7447, tls)], tls, as_json))
+    raise typer.Exit(list_robots(connect or [local_endpoint(7447, tls)], tls, as_json, router))
 
 
 def doctor(
     connect: Annotated[str, typer.Option(help="Where the operator connects to.")] = "",
     robot: RobotOption = "ur5",
     tls: TlsOption = "",
+    router: RouterOption = False,
     scenario: ScenarioOption = "ur5-obstacle",
     count: Annotated[int, typer.Option(min=1, max=10_000, help="Questions that measure the path.")] = 60,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
@@ -141,7 +166,8 @@ def doctor(
     from farhand.security import local_endpoint
 
     endpoint = connect or local_endpoint(7447, tls)
-    found = run_doctor(endpoint, check_robot_name(robot), tls, load_scenario(scenario), count, as_json)
+    asked = load_scenario(scenario)
+    found = run_doctor(endpoint, check_robot_name(robot), tls, asked, count, as_json, router)
     raise typer.Exit(found)
 
 
@@ -159,14 +185,16 @@ def tap(
     endpoint: Annotated[str, typer.Argument(help="Endpoint to connect to, such as tcp/127.0.0.1:7447.")],
     key: Annotated[str, typer.Option(help="Key expression to listen to.")] = "**",
     count: Annotated[int | None, typer.Option(min=1, help="End after this many messages.")] = None,
+    router: RouterOption = False,
+    tls: TlsOption = "",
 ) -> None:
     """Print whatever travels: any MessagePack, decoded without knowledge of Farhand's messages."""
     from farhand.tap import run_tap
 
-    raise typer.Exit(run_tap(endpoint, key, count))
+    raise typer.Exit(run_tap(endpoint, key, count, router, tls))
 
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (operator, robot, robots, doctor, watch, tap):
+    for command in (operator, robot, handover, robots, doctor, watch, tap):
         app.command()(command)

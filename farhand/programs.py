@@ -18,9 +18,12 @@ from common.keys import check_robot_name, command_key, scene_key, state_key
 from common.messages import ControlReport
 from common.recorder import RunInfo, RunRecorder
 from common.scenario import Scenario, scenario_to_table
-from common.zenoh_link import ZenohLink, check_endpoint, is_loopback, open_session
+from common.zenoh_link import ZenohLink, open_session
+from common.zenoh_log import tell_refusals
+from farhand.handover import HandoverServer
+from farhand.operator_name import operator_name
 from farhand.process import PeerWatch, say, stop_event_on_signals
-from farhand.security import guard, secure
+from farhand.security import guard, local_only, secure
 from farhand.summary import Tally
 from farhand.systemd import tell_systemd
 from farhand.wiring import make_operator, versions
@@ -53,14 +56,6 @@ def random_session() -> int:
     return secrets.randbelow((1 << 62) - 1) + 1
 
 
-def local_only(endpoint: str, option: str) -> str:
-    """The endpoint if only this host can reach it; raises EndpointError otherwise."""
-    check_endpoint(endpoint)
-    if not is_loopback(endpoint):
-        raise EndpointError(f"{option} {endpoint}: must be on this host, such as tcp/127.0.0.1:7446")
-    return endpoint
-
-
 def operator_program(
     scenario: Scenario,
     *,
@@ -76,10 +71,14 @@ def operator_program(
     tls: str = "",
     insecure: bool = False,
     router: bool = False,
+    operator: str = "",
 ) -> int:
     """Run the operator's side; returns 0 if the task was finished, else 1."""
     check_robot_name(name)
     folder = secure(tls, insecure, connect, listen, lambda line: say("operator", line), "operator", name)
+    called = operator_name(operator, folder)
+    if folder is not None:
+        tell_refusals(lambda line: say("operator", line))
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     session = random_session()
@@ -104,10 +103,13 @@ def operator_program(
         link = ZenohLink(link_session, [state_key(name), scene_key(name)], clock, heard.set)
         closing.callback(link.close)
         guard(link_session, folder, name, "operator", lambda line: say("operator", line))
-        node = make_operator(scenario, link, name, session, controller, processor_seconds)
+        node = make_operator(scenario, link, name, session, controller, processor_seconds, operator=called)
+        handover = HandoverServer(node, report_session, name, report or "")
         unheard = f"connected, but nothing comes from robot {name!r}: it is not running, or has another name"
         if folder is not None:
             unheard += f", or certificate {folder.own.name!r} is not among the members/ there"
+        if not router:
+            unheard += ", or behind a Zenoh router, which needs --router on both sides"
         PeerWatch("operator", where, link.connected, stop_event, heard.is_set, unheard)
         if record is not None:
             info = RunInfo(
@@ -117,6 +119,7 @@ def operator_program(
                 seed=seed,
                 versions=versions(),
                 solver=solver,
+                operator=called,
             )
             recorder = RunRecorder(record, info)
             closing.callback(recorder.close)
@@ -128,6 +131,7 @@ def operator_program(
             tally.add(seen)
             t = (seen.t_sent_ns - (node.driving_since_ns or seen.t_sent_ns)) * 1e-9
             series.append((t, seen.rtt, seen.sigma, seen.inflation, seen.clearance))
+            handover.serve(seen.t_sent_ns)
             if seen.stop_reason != said:
                 said = seen.stop_reason
                 say("operator", said or "driving")
@@ -180,6 +184,8 @@ def robot_program(
     """Run the robot's side until it is told to end."""
     check_robot_name(name)
     folder = secure(tls, insecure, connect, listen, lambda line: say("robot", line), "robot", name)
+    if folder is not None:
+        tell_refusals(lambda line: say("robot", line))
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     extra = folder.settings("robot") if folder else ()
@@ -190,7 +196,9 @@ def robot_program(
         guard(link.session, folder, name, "robot", lambda line: say("robot", line))
         PeerWatch("robot", ", ".join([*connect, *listen]), link.connected, stop_event)
         watched = tell_systemd(link, stop_event)
-        run_robot(scenario, name, watched, clock, stop_event, result, realtime)
+        run_robot(
+            scenario, name, watched, clock, stop_event, result, realtime, lambda line: say("robot", line)
+        )
     finally:
         link.close()
     return 0

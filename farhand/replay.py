@@ -157,7 +157,14 @@ def replay(
     controller.prepare()
     readings: list[float] = []
     node = make_operator(
-        scenario, link, run.info.robot, run.info.session, controller, lambda: readings.pop(), steering
+        scenario,
+        link,
+        run.info.robot,
+        run.info.session,
+        controller,
+        lambda: readings.pop(),
+        steering,
+        run.info.operator,
     )
     ticks = []
     for number, record in enumerate(run.ticks):
@@ -166,16 +173,17 @@ def replay(
             raise RunFileError(f"run {path}: tick {number}: unreadable report: {reports.last_refusal}")
         readings[:] = [recorded.solve_time, 0.0]  # the stopwatch reads as it did then
         steering.report = recorded
+        command = None if record.command is None else commands.decode(record.command)
+        if command is not None and command.successor:
+            node.hand_over(command.successor)
         link.waiting, link.sent = _packets(record), None
         node.step(record.now_ns)
         if node.report is None:
             raise RunFileError(f"run {path}: tick {number}: its instants are not those of a control loop")
         same = link.sent == record.command and encode(node.report) == record.report
         ticks.append(Tick(record.now_ns, recorded, node.report, same))
-        if changed and record.command is not None:
-            command = commands.decode(record.command)
-            if command is not None:
-                node.correct(command)
+        if changed and command is not None:
+            node.correct(command)
     return Replay(run, scenario, changed, ticks)
 
 

@@ -1,4 +1,4 @@
-"""`farhand robots`: who is there, by liveliness tokens, and who holds control, by the robots' states."""
+"""`farhand robots`: who is there, by liveliness tokens, and who holds control or waits for it, by states."""
 
 import json
 import threading
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import zenoh
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from common.codec import Decoder
@@ -14,15 +15,17 @@ from common.messages import RobotState
 from common.zenoh_link import open_session
 from farhand.process import say
 from farhand.security import secure, tool_place
+from operator_side.supervision import holder_name
 
 MEET_TIME = 3.0
 STATE_TIME = 1.5
 
 
-def list_robots(connect: Sequence[str], tls: str, as_json: bool) -> int:
+def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = False) -> int:
     """Print who is there; returns 0, or 1 if nobody answered."""
     folder = secure(tls, False, connect, (), lambda line: say("robots", line))
-    session = open_session(connect, extra=folder.settings(tool_place(folder)) if folder else ())
+    extra = folder.settings(tool_place(folder)) if folder else ()
+    session = open_session(connect, mode="client" if router else "peer", extra=extra)
     try:
         if not meet(session, MEET_TIME):
             say("robots", f"{', '.join(connect)}: nobody answers; `farhand doctor` says why")
@@ -36,9 +39,10 @@ def list_robots(connect: Sequence[str], tls: str, as_json: bool) -> int:
     if as_json:
         print(json.dumps({"robots": rows, "netem": emulated}))
         return 0
-    table = Table("robot", "there", "operator", "mode", "control", title_justify="left")
+    columns = ("robot", "there", "operator", "mode", "control", "waiting")
+    table = Table(*columns, title_justify="left")
     for row in rows:
-        table.add_row(*(str(row[column]) for column in ("robot", "there", "operator", "mode", "control")))
+        table.add_row(*(escape(str(row[column])) for column in columns))
     Console().print(table if rows else "no robots")
     if emulated:
         print("an emulator is on the way")
@@ -92,11 +96,13 @@ def _states(session: zenoh.Session, names: Sequence[str]) -> dict[str, RobotStat
 def _row(name: str, roles: set[str], state: RobotState | None) -> dict[str, object]:
     control = "?" if state is None else "free"
     if state is not None and state.holder:
-        control = f"session {state.holder:x}"
+        control = holder_name(state)
     return {
         "robot": name,
         "there": "yes" if "robot" in roles else "no",
-        "operator": "yes" if "operator" in roles else "no",
+        # An operator on our own side of an emulator shows no token here, but in what the robot says of it.
+        "operator": "yes" if "operator" in roles or (state is not None and state.holder) else "none seen",
         "mode": f"{state.mode}: {state.reason}" if state is not None else "no state",
         "control": control,
+        "waiting": ", ".join(name for _, name in state.waiting) if state is not None else "",
     }

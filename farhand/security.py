@@ -15,6 +15,14 @@ def local_endpoint(port: int, tls: str) -> str:
     return f"{'tls' if tls else 'tcp'}/127.0.0.1:{port}"
 
 
+def local_only(endpoint: str, option: str) -> str:
+    """The endpoint if only this host can reach it; raises EndpointError otherwise."""
+    check_endpoint(endpoint)
+    if not is_loopback(endpoint):
+        raise EndpointError(f"{option} {endpoint}: must be on this host, such as tcp/127.0.0.1:7446")
+    return endpoint
+
+
 def secure(
     tls: str,
     insecure: bool,
@@ -52,8 +60,6 @@ def secure(
             raise EndpointError(f"endpoint {endpoint}: needs --tls DIR with this program's certificate")
     if tls:
         folder = load_folder(tls, role, robot)
-        # Zenoh itself says, on stdout, whom it refused at the handshake and why.
-        zenoh.init_log_from_env_or("error,zenoh_link_tls=warn")
         for line in folder.warnings:
             say(line)
         return folder
@@ -79,10 +85,11 @@ _kept: list[object] = []
 def guard(
     session: zenoh.Session, folder: TlsFolder | None, robot: str, role: str, say: Callable[[str], None]
 ) -> None:
-    """Show that a program is there, and say who connects to it without any right."""
+    """Show that a program is there, and say who connects to it without any right, and which certificate ends."""
     _kept.append(Presence(session, robot, role, folder.own if folder else None))
     if folder is not None:
         _kept.append(watch_names(session, folder, role, say))
+        _kept.append(folder.watch_ends(say))
 
 
 def tool_place(folder: TlsFolder) -> str:

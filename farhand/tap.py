@@ -6,9 +6,11 @@ import sys
 import msgpack
 import zenoh
 
+from common.access import readable
 from common.errors import InputError
-from common.zenoh_link import check_endpoint, open_session
-from farhand.process import PeerWatch, stop_event_on_signals
+from common.zenoh_link import open_session
+from farhand.process import PeerWatch, say, stop_event_on_signals
+from farhand.security import secure, tool_place
 
 
 def describe(payload: bytes) -> str:
@@ -19,9 +21,15 @@ def describe(payload: bytes) -> str:
         return f"{len(payload)} bytes, not MessagePack: {payload[:32].hex(' ')}{' …' * (len(payload) > 32)}"
 
 
-def run_tap(endpoint: str, key: str, count: int | None) -> int:
-    """Print what travels under `key` at `endpoint` until Ctrl-C or `count` messages."""
-    check_endpoint(endpoint)
+EVERYTHING = "**"
+
+
+def run_tap(endpoint: str, key: str, count: int | None, router: bool = False, tls: str = "") -> int:
+    """Print what travels under `key` at `endpoint` until Ctrl-C or `count` messages.
+
+    With a certificate folder, "**" is everything that the certificate lets its owner read.
+    """
+    folder = secure(tls, False, [endpoint], (), lambda line: say("tap", line))
     try:
         zenoh.KeyExpr(key)
     except zenoh.ZError as error:
@@ -29,7 +37,9 @@ def run_tap(endpoint: str, key: str, count: int | None) -> int:
         raise InputError(f"--key {key!r}: not a Zenoh key expression: {what}") from None
     stop_event = stop_event_on_signals()
     waiting: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
-    session = open_session([endpoint])
+    extra = folder.settings(tool_place(folder)) if folder else ()
+    session = open_session([endpoint], mode="client" if router else "peer", extra=extra)
+    keys = readable(folder.own) if folder and key == EVERYTHING else (key,)
 
     def connected() -> bool:
         return bool(session.info.peers_zid() or session.info.routers_zid())
@@ -37,7 +47,8 @@ def run_tap(endpoint: str, key: str, count: int | None) -> int:
     PeerWatch("tap", endpoint, connected, stop_event)
     printed = 0
     try:
-        session.declare_subscriber(key, waiting.put)
+        for each in keys:
+            session.declare_subscriber(each, waiting.put)
         while not stop_event.is_set() and (count is None or printed < count):
             try:
                 sample = waiting.get(timeout=0.1)

@@ -18,6 +18,9 @@ from robot_side.registry import make_robot
 from robot_side.robot import Robot
 from robot_side.robot_node import RobotNode
 
+OPERATOR_NAME = "operator"
+"""The operator's name in virtual time and in the demo, whoever runs them."""
+
 
 def session_of(seed: int, side: str) -> int:
     """A session for virtual time; programs draw theirs from the operating system."""
@@ -32,10 +35,11 @@ def make_operator(
     controller: Controller,
     stopwatch: Callable[[], float] | None = None,
     device: SteeringDevice | None = None,
+    operator: str = OPERATOR_NAME,
 ) -> OperatorNode:
     """The operator's node with the paper's tester or another device; `controller` is prepared already."""
     device = Tester(scenario.operator) if device is None else device
-    return OperatorNode(scenario, controller, device, link, name, session, stopwatch)
+    return OperatorNode(scenario, controller, device, link, name, session, stopwatch, operator)
 
 
 def make_netem(

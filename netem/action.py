@@ -7,10 +7,11 @@ import msgspec
 
 from common.clock import to_ns
 from common.errors import InputError
+from common.keys import check_robot_name
 from netem.netem_node import DIRECTIONS, NetemNode
 from netem.spec import CLASSES, KINDS, Spec, parse_spec
 
-Do = Literal["set", "add", "remove", "outage", "reset"]
+Do = Literal["set", "add", "remove", "outage", "reset", "common"]
 MAX_OUTAGE = 1e6
 
 
@@ -19,12 +20,16 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
     Attributes:
         do: set (the whole SPEC), add (words, in place of those of the same kind), remove (a kind of
-            word, or a class), outage (from now on), reset (to the SPECs of the start).
+            word, or a class), outage (from now on), reset (to the SPECs of the start), common (the
+            robot shares the common network again).
         direction: "uplink", "downlink" or "both".
         spec: for set and add.
         name: for remove: a kind of word, such as loss, or a class of messages.
         length: of the outage (s).
         hold: whether the outage keeps messages until its end, instead of dropping them.
+        robot: whose own network is meant; one that has none gets a copy of the common one, and with
+            it streams and queues of its own. Empty: the common network; an outage and a reset without
+            a robot are for all.
     """
 
     do: Do
@@ -33,9 +38,14 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     name: str = ""
     length: float = 0.0
     hold: bool = False
+    robot: str = ""
 
     def check(self) -> None:
         """Raise InputError unless the action makes sense by itself; opens the files that it names."""
+        if self.robot:
+            check_robot_name(self.robot)
+        elif self.do == "common":
+            raise InputError("common: say which robot goes back to the common network")
         if self.do in ("set", "add"):
             parse_spec(self.spec).prepare()
         elif self.spec:
@@ -53,15 +63,23 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
         """Change the network; raises InputError and then has changed nothing."""
         self.check()
         names = DIRECTIONS if self.direction == "both" else (self.direction,)
+        directions = [node.directions[name] for name in names]
+        robot_only = bool(self.robot) and self.do in ("reset", "common")
+        if robot_only and not any(direction.has_own(self.robot) for direction in directions):
+            raise InputError(f"{self.do}: robot {self.robot!r} has no network of its own there")
         if self.do == "reset":
-            node.reset()
+            for direction in directions:
+                direction.reset(self.robot)
+        elif self.do == "common":
+            for direction in directions:
+                direction.share(self.robot)
         elif self.do == "outage":
-            for name in names:
-                node.start_outage(name, to_ns(self.length), self.hold, now_ns)
+            for direction in directions:
+                direction.outage(now_ns, to_ns(self.length), self.hold, self.robot)
         else:
-            specs = {name: self._changed(node.directions[name].chain.spec, name) for name in names}
-            for name, spec in specs.items():
-                node.set_spec(name, spec)
+            specs = [self._changed(each.spec_for(self.robot), each.name) for each in directions]
+            for direction, spec in zip(directions, specs, strict=True):
+                direction.set_spec(spec, self.robot)
 
     def _changed(self, spec: Spec, direction: str) -> Spec:
         if self.do == "set":
@@ -70,8 +88,9 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             return spec.with_words(parse_spec(self.spec))
         found = spec.without(self.name)
         if found is None:
-            raise InputError(f"remove: the {direction} has no {self.name!r}; it is {spec}")
+            whose = f" of robot {self.robot!r}" if self.robot else ""
+            raise InputError(f"remove: the {direction}{whose} has no {self.name!r}; it is {spec}")
         return found
 
 
-ACTION_KINDS: tuple[str, ...] = ("set", "add", "remove", "outage", "reset")
+ACTION_KINDS: tuple[str, ...] = ("set", "add", "remove", "outage", "reset", "common")

@@ -24,9 +24,15 @@ class Chain:
         spec: what the direction is like.
         seed: of the run.
         direction: "uplink" (operator to robot) or "downlink".
+        robot: whose own network it is, with streams of its own; empty: the common one.
+        version: of the words at the start; another one begins other streams.
+
+    Attributes:
+        spec: what it is like now.
+        version: grows with each change.
     """
 
-    def __init__(self, spec: Spec, seed: int, direction: str) -> None:
+    def __init__(self, spec: Spec, seed: int, direction: str, robot: str = "", version: int = 0) -> None:
         spec.prepare()
         self.spec = spec
         self.direction = direction
@@ -37,7 +43,8 @@ class Chain:
         self._shared: dict[str, _Built] = {}
         self._connections: dict[str, Connection] = {}
         self._generations: dict[tuple[str, str], int] = {}
-        self._version = 0
+        self._robot = robot
+        self._first = self.version = version
         self._outages: list[tuple[Windows, OutageStage]] = []
 
     def start(self, origin_ns: int) -> None:
@@ -73,12 +80,12 @@ class Chain:
         """Take another Spec: words that stay keep their state, new ones start afresh; raises InputError."""
         spec.prepare()
         old, self.spec = self.spec, spec
-        self._version += 1
+        self.version += 1
         for name in ("", *CLASSES):
             known = set(_words(old, name))
             for word in _words(spec, name):
                 if word not in known:
-                    self._generations[name, word.kind] = self._version
+                    self._generations[name, word.kind] = self.version
                     if name in self._shared:
                         self._shared[name].pop(word, None)
         self._rebuild()
@@ -153,8 +160,8 @@ class Chain:
         return [impairment for _, impairment in head], tail, copy_tail
 
     def _context(self, owner: str, message_class: str, kind: str) -> Context:
-        generation = self._generations.get((message_class, kind), 0)
-        return Context(self._seed, self.direction, owner, self._origin_ns or 0, generation)
+        generation = self._generations.get((message_class, kind), self._first)
+        return Context(self._seed, self.direction, owner, self._origin_ns or 0, generation, self._robot)
 
 
 def build_chain(spec: Spec, seed: int, direction: str) -> Chain:

@@ -16,63 +16,21 @@ from common.clock import SystemClock
 from common.errors import FarhandError, InputError
 from common.executor import RealtimeExecutor
 from common.keys import about_key, alive_key
-from common.presence import about
+from common.presence import answerer
 from common.tls import load_folder, watch_names
 from netem.control import ControlServer, control_endpoint
 from netem.message_log import CsvLog
 from netem.metrics import MetricsServer
 from netem.netem_node import ConservationError, NetemNode
 from netem.proxy import Proxy
-from netem.release_queue import Limits
-from netem.report import statistics_table
+from netem.report import print_statistics
+from netem.settings import NetemSettings as NetemSettings
 from netem.spec import parse_spec
 from netem.timeline import load_timeline
 
 HOUSEKEEPING_NS = 50_000_000
 SWITCH_INTERVAL = 0.0002
 """How long another Python thread may keep the emulator's from running (s); 5 ms is Python's own."""
-
-
-class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
-    """What `farhand netem` was asked for.
-
-    Attributes:
-        listen_operator, listen_robot: endpoints that the two sides connect to.
-        connect_operator, connect_robot: endpoints to connect to.
-        uplink, downlink: SPECs.
-        seed: of all draws.
-        stats: JSON file for the statistics at the end.
-        log: CSV file for the fate of every message.
-        timeline: TOML file of changes.
-        control: endpoint or port of live control, on this host.
-        metrics: port of the Prometheus metrics, 0 for none.
-        ready_file: written, and ready_fd: written to and closed, when both sides listen.
-        realtime: ask for SCHED_FIFO.
-        limits: bounds of each direction's memory.
-        tls: further (path, value) session settings.
-        robot_networks: (robot, SPEC of both its directions) where it differs.
-        certificates: folder for mutual TLS and access control on both sides; empty: none.
-    """
-
-    listen_operator: str = "tcp/127.0.0.1:7447"
-    listen_robot: str = "tcp/127.0.0.1:7448"
-    connect_operator: tuple[str, ...] = ()
-    connect_robot: tuple[str, ...] = ()
-    uplink: str = "none"
-    downlink: str = "none"
-    seed: int = 0
-    stats: str | None = None
-    log: str | None = None
-    timeline: str | None = None
-    control: str | None = None
-    metrics: int = 0
-    ready_file: str | None = None
-    ready_fd: int | None = None
-    realtime: bool = True
-    limits: Limits = Limits()
-    tls: tuple[tuple[str, Any], ...] = ()
-    certificates: str = ""
-    robot_networks: tuple[tuple[str, str], ...] = ()
 
 
 class _Program:
@@ -163,12 +121,14 @@ def run_netem(
             tls_robot=sides["robot"],
         )
         opened.append(proxy)
-        facts = json.dumps(about("netem", folder.own if folder else None)).encode()
+        answer = answerer("netem", folder.own if folder else None)
         watched = []
         for side in (proxy.operator_link, proxy.robot_link):
-            side.announce(alive_key("netem", "netem"), facts, about_key("netem", "netem"))
+            side.announce(alive_key("netem", "netem"), answer, about_key("netem", "netem"))
             if folder is not None:
                 watched.append(watch_names(side.session, folder, f"netem-{side.name}", say))
+        if folder is not None:
+            opened.append(folder.watch_ends(say))
         node = NetemNode(
             proxy.operator_link,
             proxy.robot_link,
@@ -179,7 +139,7 @@ def run_netem(
             log=log,
             schedule=schedule,
             instant=clock.now_ns,
-            robot_networks={robot: parse_spec(spec) for robot, spec in settings.robot_networks},
+            robot_networks=settings.own_networks(),
         )
         control = ControlServer(settings.control, wake) if settings.control else None
         if control is not None:
@@ -207,7 +167,7 @@ def run_netem(
     if settings.stats:
         Path(settings.stats).write_text(json.dumps(statistics, indent=1) + "\n", encoding="utf-8")
     if console is not None:
-        console.print(statistics_table(statistics))
+        print_statistics(statistics, console)
     node.check_conservation()
     if statistics["overflowed"]:
         raise ConservationError(

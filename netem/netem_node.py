@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from common.errors import FarhandError
-from common.keys import kind_of, robot_of
+from common.keys import kind_of
 from common.link import Link, Packet
-from netem.chain import Chain
+from netem.direction import Direction
 from netem.impairments.base import Transit
-from netem.release_queue import Limits, ReleaseQueue
+from netem.release_queue import Limits
 from netem.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
 from netem.spec import Spec
 from netem.statistics import FlowStatistics, Histogram
@@ -46,46 +46,6 @@ class Schedule(Protocol):
         ...
 
 
-class Direction:
-    """One way: chain, queue, statistics.
-
-    Args:
-        name: "uplink" or "downlink".
-        source, target: the links.
-        chain: decides fates.
-        limits: of the queue.
-    """
-
-    def __init__(self, name: str, source: Link, target: Link, chain: Chain, limits: Limits) -> None:
-        self.name = name
-        self.source, self.target = source, target
-        self.chain = chain
-        self.initial = chain.spec
-        self.queue = ReleaseQueue(limits)
-        self.robots: dict[str, FlowStatistics] = {}
-        self.own_chains: dict[str, Chain] = {}
-
-    def chain_of(self, key: str) -> Chain:
-        """The chain that a message under a key passes: its robot's own, else the direction's."""
-        return self.own_chains.get(robot_of(key), self.chain) if self.own_chains else self.chain
-
-    def of(self, robot: str) -> FlowStatistics:
-        """Statistics of one robot; the 257th and further share one."""
-        found = self.robots.get(robot)
-        if found is None:
-            if len(self.robots) >= MAX_ROBOTS and robot != "other":
-                return self.of("other")
-            found = self.robots[robot] = FlowStatistics()
-        return found
-
-    def total(self) -> FlowStatistics:
-        """All robots together."""
-        total = FlowStatistics()
-        for statistics in self.robots.values():
-            total.merge(statistics)
-        return total
-
-
 class NetemNode:
     """The emulator, told the time.
 
@@ -98,7 +58,8 @@ class NetemNode:
         schedule: changes the network while it runs.
         instant: reads the time after a sending, so that the achieved delay holds the emulator's own
             work; without it the time of the step is taken (exact in virtual time).
-        robot_networks: by robot, what both directions are like for it instead; not changed while running.
+        robot_networks: by robot, what a direction ("uplink", "downlink") is like for it instead; a robot
+            draws from streams of its own in a network of its own.
 
     Raises:
         InputError: a file that a Spec names cannot be read.
@@ -115,14 +76,15 @@ class NetemNode:
         log: MessageLog | None = None,
         schedule: Schedule | None = None,
         instant: Callable[[], int] | None = None,
-        robot_networks: Mapping[str, Spec] | None = None,
+        robot_networks: Mapping[str, Mapping[str, Spec]] | None = None,
     ) -> None:
         limits = limits or Limits()
-        up = Direction("uplink", operator_link, robot_link, Chain(uplink, seed, "uplink"), limits)
-        down = Direction("downlink", robot_link, operator_link, Chain(downlink, seed, "downlink"), limits)
-        for direction in (up, down):
-            for robot, spec in (robot_networks or {}).items():
-                direction.own_chains[robot] = Chain(spec, seed, direction.name)
+        own: dict[str, dict[str, Spec]] = {name: {} for name in DIRECTIONS}
+        for robot, by_direction in (robot_networks or {}).items():
+            for name, spec in by_direction.items():
+                own[name][robot] = spec
+        up = Direction("uplink", operator_link, robot_link, uplink, own["uplink"], seed, limits)
+        down = Direction("downlink", robot_link, operator_link, downlink, own["downlink"], seed, limits)
         self.directions = {"uplink": up, "downlink": down}
         self.round_trips: dict[str, RoundTrips] = {}
         self._both = (up, down)
@@ -162,21 +124,6 @@ class NetemNode:
                 next_ns = due_ns
         return next_ns
 
-    def set_spec(self, direction: str, spec: Spec) -> None:
-        """Change what a direction is like from the next message on; raises InputError."""
-        self.directions[direction].chain.update(spec)
-
-    def start_outage(self, direction: str, length_ns: int, hold: bool, now_ns: int) -> None:
-        """No network in a direction from now on, for a time."""
-        whole = self.directions[direction]
-        for chain in (whole.chain, *whole.own_chains.values()):
-            chain.outage(now_ns, length_ns, hold)
-
-    def reset(self) -> None:
-        """Go back to the Specs of the start."""
-        for direction in self._both:
-            direction.chain.update(direction.initial)
-
     def conserved(self) -> bool:
         """Whether every message that came in is accounted for."""
         queued_right = all(d.total().queued == len(d.queue) for d in self._both)
@@ -192,11 +139,7 @@ class NetemNode:
         """Everything counted and measured, as plain values for JSON; durations in s."""
         result: dict[str, object] = {}
         for direction in self._both:
-            summary: dict[str, object] = {"spec": str(direction.chain.spec)} | direction.total().summary()
-            summary["robot_specs"] = {name: str(chain.spec) for name, chain in direction.own_chains.items()}
-            summary["below_zero"] = direction.chain.below_zero()
-            summary["robots"] = {name: s.summary() for name, s in sorted(direction.robots.items())}
-            result[direction.name] = summary
+            result[direction.name] = direction.summary()
         rtt = Histogram()
         for trips in self.round_trips.values():
             rtt.merge(trips.rtt)
@@ -209,8 +152,7 @@ class NetemNode:
     def _start(self, origin_ns: int) -> None:
         self._started = True
         for direction in self._both:
-            for chain in (direction.chain, *direction.own_chains.values()):
-                chain.start(origin_ns)
+            direction.start(origin_ns)
         if self._schedule is not None:
             self._schedule.start(origin_ns)
 

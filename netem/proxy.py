@@ -1,7 +1,8 @@
 """The emulator's place in the network: two Zenoh sessions, one a side, which know nothing of each other.
 
-Both listen and the ends only connect; all scouting is off. So the ends cannot find each other, and what
-goes from one side to the other goes through the emulator. A program connected to both sides is noticed.
+Both listen and the ends only connect, or each connects to a router; all scouting is off. So the ends cannot
+find each other, and what goes from one side to the other goes through the emulator. A program connected to
+both sides is noticed.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -15,7 +16,7 @@ class Proxy:
     """The two sessions.
 
     Args:
-        listen_operator, listen_robot: endpoints, e.g. tcp/127.0.0.1:7447.
+        listen_operator, listen_robot: endpoints, e.g. tcp/127.0.0.1:7447; empty: none.
         clock: stamps arrivals.
         wake: called when something has arrived, in a Zenoh thread; must only notify.
         connect_operator, connect_robot: endpoints to connect to, e.g. of a Zenoh router.
@@ -47,9 +48,9 @@ class Proxy:
         extra_robot = extra if tls_robot is None else list(tls_robot)
         self.bypasses: set[str] = set()
         self._on_bypass = on_bypass
-        operator = open_session(connect_operator, [listen_operator], extra=extra)
+        operator = open_session(connect_operator, [listen_operator] if listen_operator else (), extra=extra)
         try:
-            robot = open_session(connect_robot, [listen_robot], extra=extra_robot)
+            robot = open_session(connect_robot, [listen_robot] if listen_robot else (), extra=extra_robot)
         except BaseException:
             operator.close()  # type: ignore[no-untyped-call]
             raise

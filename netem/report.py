@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
@@ -53,4 +54,34 @@ def statistics_table(statistics: dict[str, Any]) -> Table:
     if statistics["bypassed"] or statistics.get("both_sides"):
         row("went past the emulator", statistics["bypassed"], len(statistics.get("both_sides", [])))
     row("every message accounted for", "yes" if statistics["conserved"] else "NO", "")
+    return table
+
+
+def print_statistics(statistics: dict[str, Any], console: Console) -> None:
+    """The table of both directions and, where robots have networks of their own or are several, one of robots."""
+    console.print(statistics_table(statistics))
+    names = {name for way in ("uplink", "downlink") for name in statistics[way]["robots"]}
+    own = {name for way in ("uplink", "downlink") for name in statistics[way]["robot_specs"]}
+    if own or len(names - {"other", "netem"}) > 1:
+        console.print(robots_table(statistics, sorted(names | own)))
+
+
+def robots_table(statistics: dict[str, Any], names: list[str]) -> Table:
+    """Each robot's network and what became of its messages, a row a direction."""
+    table = Table(title="robots", title_justify="left")
+    table.add_column("robot", overflow="fold")
+    table.add_column("network", overflow="fold")
+    for name in ("received", "dropped", "p50 / p99 (ms)", "RTT (ms)"):
+        table.add_column(name, justify="right")
+    for name in names:
+        rtt = statistics["rtt_by_robot"].get(name)
+        for way, sign in (("uplink", "up"), ("downlink", "down")):
+            found, own = statistics[way]["robots"].get(name), statistics[way]["robot_specs"].get(name)
+            network = f"{sign}: {statistics[way]['spec'] + ' (common)' if own is None else own}"
+            counts = ["0", "0", ""]
+            if found is not None:
+                delays = " / ".join(f"{found['achieved'][q] * 1000:.1f}" for q in ("p50", "p99"))
+                counts = [str(found["received"]), str(sum(found["dropped"].values())), delays]
+            trips = f"{rtt['p50'] * 1000:.1f}" if rtt is not None and rtt["count"] and way == "uplink" else ""
+            table.add_row(escape(name) if way == "uplink" else "", escape(network), *counts, trips)
     return table

@@ -2,8 +2,9 @@
 
 [[at]]
 time = 5.0             # s since the first message
-do = "set"             # set | add | remove | outage | reset, see netem.action
+do = "set"             # set | add | remove | outage | reset | common, see netem.action
 direction = "uplink"   # or "downlink"; without it both
+robot = "arm2"         # the robot whose own network is meant; without it the common one
 spec = "gaussian:80,20 loss:1%"
 
 [[at]]

@@ -126,11 +126,11 @@ class ZenohSide:
             session.liveliness().declare_subscriber(EVERYTHING, self._liveliness, history=True),
         ]
 
-    def announce(self, key: str, facts: bytes, about: str) -> None:
+    def announce(self, key: str, answer: Callable[[], bytes], about: str) -> None:
         """Show under a liveliness token of our own that the emulator is there, and answer what it is."""
 
         def reply(query: zenoh.Query) -> None:
-            query.reply(about, facts)
+            query.reply(about, answer())
 
         self._tokens[key] = None  # ours: never carried to the other side
         self._tokens[key] = self.session.liveliness().declare_token(key)

@@ -26,7 +26,7 @@ from operator_side.reporting import ReportWriter
 from operator_side.round_trip import RoundTrip
 from operator_side.state_predictor import Innovations, Prediction, make_predictor
 from operator_side.steering.device import SteeringDevice, SteeringInput
-from operator_side.supervision import decide
+from operator_side.supervision import Supervision
 
 STALE_STATE = "no news from the robot: resynchronising"
 
@@ -50,6 +50,7 @@ class OperatorNode:
         name: the robot's name.
         session: this process's session.
         stopwatch: reads seconds, to report how long a solve took; None reports 0 (virtual time).
+        operator: the operator's own name, which all others are told.
     """
 
     def __init__(
@@ -61,8 +62,9 @@ class OperatorNode:
         name: str,
         session: int,
         stopwatch: Callable[[], float] | None = None,
+        operator: str = "operator",
     ) -> None:
-        self.scenario, self.device, self.session = scenario, device, session
+        self.scenario, self.device, self.session, self.operator = scenario, device, session, operator
         self.report: ControlReport | None = None
         self.recorder: Recorder | None = None
         self._link, self._key = link, command_key(name)
@@ -78,10 +80,10 @@ class OperatorNode:
         self._margin = make_margin(scenario.margin, scenario.controller)
         self._adaptive = scenario.margin.kind == "adaptive"
         self._filter = SafetyFilter(scenario, controller)
-        self._writer = ReportWriter(session, self._perception, self.round_trip)
+        self._supervision = Supervision(session, operator)
+        self._writer = ReportWriter(operator, session, self._perception, self.round_trip)
         self._seq = -1
-        self._resynchronising = False
-        self._controlling_since_ns: int | None = None
+        self.driving_since_ns: int | None = None  # instant of the first `run` command
 
     @property
     def finished(self) -> bool:
@@ -89,9 +91,18 @@ class OperatorNode:
         return self.device.finished
 
     @property
-    def driving_since_ns(self) -> int | None:
-        """Instant of the first `run` command; None before it."""
-        return self._controlling_since_ns
+    def state(self) -> RobotState | None:
+        """The robot's newest state."""
+        return self._perception.state
+
+    @property
+    def successor(self) -> int:
+        """The session that control is being handed over to; 0 once that is done, or it waits no more."""
+        return self._supervision.successor
+
+    def hand_over(self, successor: int) -> None:
+        """Give control to a session that waits for it, from the next tick on until the robot says so."""
+        self._supervision.successor = successor
 
     def step(self, now_ns: int) -> int:
         """One tick if it is due; returns the instant of the next."""
@@ -124,7 +135,7 @@ class OperatorNode:
         steering = None
         if state is not None and scene is not None:
             steering = self.device.read(state, scene, now_ns)
-        decision = decide(state, scene, steering, self.session)
+        decision = self._supervision.step(state, scene, steering, now_ns)
         mode, reason = decision.mode, decision.reason
         prediction, margin, filtered, solve_time = Prediction(ZERO), Margin(), None, 0.0
         if state is not None and scene is not None and steering is not None:
@@ -134,15 +145,16 @@ class OperatorNode:
                 filtered, why = self._decide_plan(steering, prediction, margin, state, scene, now_ns)
                 solve_time = self._stopwatch() - started if self._stopwatch else 0.0
                 reason = why or reason
-                if self._controlling_since_ns is None:
-                    self._controlling_since_ns = now_ns
+                if self.driving_since_ns is None:
+                    self.driving_since_ns = now_ns
         desired = steering.velocity if steering is not None else ZERO
         velocities = self._velocities(filtered)
         payload = None
         if mode is not None:
-            self._history.add(self._seq, now_ns, self._period, velocities, prediction.start)
-            self.round_trip.sent(self._seq, now_ns)
-            payload = self._send(now_ns, mode, velocities[0], velocities[1:], desired)
+            if not decision.asking:
+                self._history.add(self._seq, now_ns, self._period, velocities, prediction.start)
+                self.round_trip.sent(self._seq, now_ns)
+            payload = self._send(now_ns, mode, velocities[0], velocities[1:], desired, decision.successor)
         self.report = self._writer.write(
             now_ns,
             seq=self._seq,
@@ -214,9 +226,10 @@ class OperatorNode:
         velocity: Vector3,
         plan: tuple[Vector3, ...],
         desired: Vector3,
+        successor: int = 0,
     ) -> bytes:
         command = VelocityCommand(
-            source="operator",
+            source=self.operator,
             session=self.session,
             seq=self._seq,
             t_sent_ns=now_ns,
@@ -226,6 +239,7 @@ class OperatorNode:
             plan=plan,
             plan_period_ns=self._ticks.period_ns,
             desired=desired,
+            successor=successor,
         )
         payload = encode(command)
         self._link.send(Packet(self._key, payload))

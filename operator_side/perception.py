@@ -24,6 +24,7 @@ class Perception:
         self.newest_state, self.newest_scene = Newest(), Newest()
         self.state: RobotState | None = None
         self.scene: Scene | None = None
+        self.states = 0
         self._arrivals: deque[int] = deque(maxlen=RATE_WINDOW)
 
     def take(self, packet: Packet) -> RobotState | None:
@@ -31,6 +32,7 @@ class Perception:
         if packet.key == self._state_key:
             state = self._states.decode(packet.payload)
             if state is not None:
+                self.states += 1
                 self._arrivals.append(packet.arrived_ns)
                 if self.newest_state.accept(state, packet.arrived_ns):
                     self.state = state

@@ -10,12 +10,13 @@ from operator_side.state_predictor import Prediction
 
 class ReportWriter:
     """Args:
-    session: this operator's session.
+    operator, session: this operator's name and session.
     perception, round_trip: what to report from.
     """
 
-    def __init__(self, session: int, perception: Perception, round_trip: RoundTrip) -> None:
-        self._session, self._perception, self._round_trip = session, perception, round_trip
+    def __init__(self, operator: str, session: int, perception: Perception, round_trip: RoundTrip) -> None:
+        self._operator, self._session = operator, session
+        self._perception, self._round_trip = perception, round_trip
         self._tick = -1
 
     def write(
@@ -42,7 +43,7 @@ class ReportWriter:
         known = trip.count > 0
         state_age = (now_ns - self._perception.newest_state.arrived_ns) * 1e-9 if seen else 0.0
         return ControlReport(
-            source="operator",
+            source=self._operator,
             session=self._session,
             seq=seq,
             t_sent_ns=now_ns,
@@ -77,5 +78,6 @@ class ReportWriter:
             refused_there=sum(state.refused.values()) if state else 0,
             stops=state.stops if state else 0,
             state_rate=self._perception.state_rate(now_ns),
+            states=self._perception.states,
             overruns=overruns,
         )

@@ -2,14 +2,21 @@
 
 | situation | command |
 |---|---|
-| no state or no scene yet | nothing is sent |
-| another session holds control | nothing is sent |
-| nobody holds control | acknowledge, which asks for it |
 | the device's emergency stop | estop |
+| no state or no scene yet | nothing is sent |
+| another session holds control | acknowledge, once a second, which asks for it and is refused |
+| this session waited, control is free but was not released, the operator acknowledges | acknowledge |
+| the same, the operator does not acknowledge | nothing is sent |
+| the operator hands control over to one that waits | release, with the successor |
 | the robot is stopped and the operator acknowledges | acknowledge |
 | the robot is stopped or estopped | hold |
+| nobody holds control | acknowledge, which asks for it |
 | the device is not engaged | hold |
 | otherwise | run |
+
+So control that its holder gave up is taken by itself, and so is control that was this operator's own (by name:
+it lost its link, or was restarted). Control that another one lost in silence, or with the robot's restart, is
+taken only if a person decides it.
 """
 
 from dataclasses import dataclass
@@ -17,27 +24,50 @@ from dataclasses import dataclass
 from common.messages import CommandMode, RobotState, Scene
 from operator_side.steering.device import SteeringInput
 
+ASK_PERIOD_NS = 1_000_000_000
+
 
 @dataclass(frozen=True, slots=True)
 class Decision:
     """Attributes:
     mode: of the command; None: send nothing.
     reason: why it is not `run`, empty for `run`.
+    successor: who gets control with a `release`.
+    asking: whether the command only asks for what another one holds: nothing answers it.
     """
 
     mode: CommandMode | None
     reason: str = ""
+    successor: int = 0
+    asking: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Seat:
+    """An operator before the robot.
+
+    Attributes:
+        session, name: its own.
+        waited_for: name of the other one that held control last, as far as this session has seen; empty after
+            it held control itself.
+        successor: the session that it wants to hand over to; 0: none.
+    """
+
+    session: int
+    name: str = "operator"
+    waited_for: str = ""
+    successor: int = 0
 
 
 def decide(
-    state: RobotState | None, scene: Scene | None, steering: SteeringInput | None, session: int
+    state: RobotState | None, scene: Scene | None, steering: SteeringInput | None, me: Seat
 ) -> Decision:
     """The table above, first match first.
 
     Args:
         state, scene: newest from the robot, if any.
         steering: what the device wants; None before there is a state and a scene.
-        session: this operator's session.
+        me: this operator.
     """
     if steering is not None and steering.estop:
         return Decision("estop", "emergency stop by the operator")
@@ -45,8 +75,14 @@ def decide(
         return Decision(None, "no state from the robot yet")
     if scene is None or steering is None:
         return Decision(None, "no scene from the robot yet")
-    if state.holder not in (0, session):
-        return Decision(None, f"another operator holds control (session {state.holder:x})")
+    if state.holder not in (0, me.session):
+        return Decision("acknowledge", _waiting(state, me), asking=True)
+    if state.holder == 0 and me.waited_for and state.lease_end != "released":
+        mode: CommandMode | None = "acknowledge" if steering.acknowledge else None
+        return Decision(mode, f"{me.waited_for} lost control without releasing it; acknowledge to take it")
+    if state.holder == me.session and me.successor:
+        name = dict(state.waiting).get(me.successor, "")
+        return Decision("release", f"handing control over to {name}", me.successor)
     if state.mode in ("stopped", "estop"):
         if steering.acknowledge:
             return Decision("acknowledge", f"acknowledging: {state.reason}")
@@ -56,3 +92,53 @@ def decide(
     if not steering.engaged:
         return Decision("hold", "device not engaged")
     return Decision("run")
+
+
+def holder_name(state: RobotState) -> str:
+    """Who holds control, for people."""
+    return state.holder_name or f"session {state.holder:x}"
+
+
+def _waiting(state: RobotState, me: Seat) -> str:
+    return (
+        f"{holder_name(state)} holds control; waiting; it can hand over to you with "
+        f"`farhand handover --to {me.name} --robot {state.source}`"
+    )
+
+
+class Supervision:
+    """`decide`, with what it must remember from tick to tick.
+
+    Args:
+        session, name: of this operator.
+    """
+
+    def __init__(self, session: int, name: str) -> None:
+        self._session, self._name = session, name
+        self._waited_for = ""
+        self._asked_ns: int | None = None
+        self.successor = 0
+
+    def step(
+        self, state: RobotState | None, scene: Scene | None, steering: SteeringInput | None, now_ns: int
+    ) -> Decision:
+        """The decision of a tick."""
+        if state is not None:
+            self._look(state)
+        me = Seat(self._session, self._name, self._waited_for, self.successor)
+        decision = decide(state, scene, steering, me)
+        if not decision.asking:
+            return decision
+        if self._asked_ns is not None and now_ns - self._asked_ns < ASK_PERIOD_NS:
+            return Decision(None, decision.reason)
+        self._asked_ns = now_ns
+        return decision
+
+    def _look(self, state: RobotState) -> None:
+        """Note whom this session waits for, and whether a handover is over, or its successor gone."""
+        if state.holder == self._session:
+            self._waited_for = ""
+        elif state.holder and state.holder_name != self._name:
+            self._waited_for = holder_name(state)
+        if state.holder != self._session or self.successor not in dict(state.waiting):
+            self.successor = 0

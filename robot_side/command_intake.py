@@ -22,7 +22,9 @@ class CommandIntake:
 
     Attributes:
         newest: the newest command of the session in control, for the echo.
-        received: commands that could be decoded.
+        arrived: messages under the key, whatever became of them.
+        received: those of them that could be decoded.
+        newest_refused: source and session of the newest that was refused, for people.
     """
 
     def __init__(self, name: str, watchdog: Watchdog) -> None:
@@ -31,11 +33,14 @@ class CommandIntake:
         self._decoder = Decoder(VelocityCommand)
         self._flood: Counter[str] = Counter()
         self.newest = Newest()
+        self.arrived = 0
         self.received = 0
+        self.newest_refused: tuple[str, int] | None = None
 
     def take(self, packets: Sequence[Packet], now_ns: int) -> None:
         """Judge what has arrived, in order; of a flood only the newest are looked at, the rest counted."""
         commands = [packet for packet in packets if packet.key == self._key]
+        self.arrived += len(commands)
         excess = len(commands) - DECODES_PER_TICK
         if excess > 0:
             self._flood["flood"] += excess
@@ -45,7 +50,8 @@ class CommandIntake:
             if command is None:
                 continue
             self.received += 1
-            self._watchdog.receive(command, now_ns)
+            if not self._watchdog.receive(command, now_ns):
+                self.newest_refused = command.source, command.session
             if self._watchdog.in_control(command):
                 self.newest.accept(command, min(packet.arrived_ns or now_ns, now_ns))
 

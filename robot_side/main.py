@@ -11,16 +11,18 @@ from common.clock import SystemClock
 from common.executor import RealtimeExecutor
 from common.link import Link
 from common.scenario import Scenario
+from robot_side.announcer import Announcer
 from robot_side.registry import make_robot
 from robot_side.robot_node import RobotNode
 
 
 class _UntilStopped:
-    """The node, and a look at the event before each step."""
+    """The node, a look at the event before each step, and one at what there is to say after it."""
 
-    def __init__(self, node: RobotNode, stop_event: threading.Event) -> None:
+    def __init__(self, node: RobotNode, stop_event: threading.Event, announcer: Announcer | None) -> None:
         self._node = node
         self._stop_event = stop_event
+        self._announcer = announcer
         self.stop: Callable[[], None] = lambda: None
 
     def step(self, now_ns: int) -> int:
@@ -28,7 +30,10 @@ class _UntilStopped:
         if self._stop_event.is_set():
             self.stop()
             return now_ns
-        return self._node.step(now_ns)
+        next_ns = self._node.step(now_ns)
+        if self._announcer is not None:
+            self._announcer.look(now_ns)
+        return next_ns
 
 
 def run_robot(
@@ -39,16 +44,19 @@ def run_robot(
     stop_event: threading.Event,
     summary_file: Path | None = None,
     realtime: bool = True,
+    say: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Run the scenario's robot until `stop_event` is set; returns its summary.
 
     The summary holds the trajectory and the lateness of the loop (s) as well, and is written to
-    `summary_file` as JSON. Raises ScenarioError when the robot cannot stand at the scenario's start.
+    `summary_file` as JSON. `say` takes a line for people on what happens meanwhile. Raises ScenarioError
+    when the robot cannot stand at the scenario's start.
     """
     robot = make_robot(scenario)
     try:
         node = RobotNode(scenario, robot, link, robot_name, secrets.randbits(48) + 1)
-        guarded = _UntilStopped(node, stop_event)
+        announcer = Announcer(say, node.watchdog, node.intake) if say is not None else None
+        guarded = _UntilStopped(node, stop_event, announcer)
         executor = RealtimeExecutor(guarded, clock, realtime=realtime)
         guarded.stop = executor.stop
         executor.run()

@@ -179,10 +179,14 @@ class RobotNode:
             mode=watchdog.mode,
             reason=watchdog.reason,
             holder=watchdog.lease.holder,
+            holder_name=watchdog.lease.holder_name,
+            lease_end=watchdog.lease.end,
+            waiting=watchdog.lease.waiting(now_ns),
             clearance=self._clearance,
             min_clearance=self._statistics.min_clearance,
             arm_clearance=arm_clearance,
             refused=self.intake.refused(),
+            received=self.intake.arrived,
             stops=watchdog.stops,
         )
         self._state_seq += 1

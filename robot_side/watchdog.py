@@ -32,6 +32,9 @@ class ModeChange:
 class Watchdog:
     """Decides, command by command and tick by tick, what the robot may do.
 
+    Who may command is said by the lease: a session gets it by a command that is built on a state of the robot
+    which showed it free. An `acknowledge` of another session asks for it: it is refused as `held`, and shown.
+
     A `run` command is good if it comes from the session in control, is newer than the last one, echoes a
     message of this robot session that is at most `max_age` old, and is within `max_speed`. A `hold` needs
     no echo, since all it can do is brake; it keeps the connection alive. An `estop` is obeyed from anyone.
@@ -112,29 +115,54 @@ class Watchdog:
 
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
-        free = self.lease.holder == 0
-        if not free and command.session != self.lease.holder:
-            return "foreign-session"
-        if command.seq <= self._newest_seq.get(command.session, -1):
+        lease, free = self.lease, self.lease.holder == 0
+        if not free and command.session != lease.holder:
+            return self._judge_outsider(command, now_ns)
+        if self._is_old(command):
             return "old-seq"
         stale = self._staleness(command, now_ns)
         if free:
             if command.mode == "release":
                 return "foreign-session"
-            if stale:
-                return stale
-        self.lease.grant(command.session, now_ns)
+            if stale or self._unaware(command):
+                return stale or _outside(command)
+        lease.grant(command.session, command.source, now_ns)
         self._note_seq(command)
-        if command.mode in ("hold", "release"):
+        if command.mode == "hold" or (command.mode == "release" and not command.successor):
             return ""
-        if stale:
-            return stale
+        if stale or self._unaware(command):
+            return stale or _outside(command)
+        if command.mode == "release" and not lease.waits(command.successor, now_ns):
+            return "no-successor"
         if command.mode == "run":
             if self.latched:
                 return "stopped"
             if _fastest(command) > self._max_speed:
                 return "too-fast"
         return ""
+
+    def _judge_outsider(self, command: VelocityCommand, now_ns: int) -> str:
+        """Why a command from outside the lease is refused; who asks for control properly is remembered."""
+        if command.mode != "acknowledge":
+            return _outside(command)
+        if self._is_old(command):
+            return "old-seq"
+        stale = self._staleness(command, now_ns)
+        if stale:
+            return stale
+        known = self.lease.ask(command.session, command.source, command.seq, now_ns)
+        return _outside(command) if known else "old-seq"
+
+    def _is_old(self, command: VelocityCommand) -> bool:
+        return command.seq <= self._newest_seq.get(command.session, -1)
+
+    def _unaware(self, command: VelocityCommand) -> bool:
+        """Whether its sender had not yet seen that control had become free, or its own.
+
+        Without this a request under way, repeated without anybody's doing, would take control of a lease that
+        ended by silence, or clear a stop for the one who was handed control.
+        """
+        return command.echo is not None and command.echo.t_sent_ns < self.lease.since_ns
 
     def _staleness(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is not built on a recent state of this robot session, or an empty string."""
@@ -153,9 +181,7 @@ class Watchdog:
 
     def _obey(self, command: VelocityCommand, now_ns: int) -> None:
         if command.mode == "release":
-            self.lease.release()
-            if not self.latched:
-                self._rest("control was released", now_ns)
+            self._release(command.successor, now_ns)
             return
         if command.mode == "hold" and self.latched:
             return
@@ -168,6 +194,17 @@ class Watchdog:
         self._player.clear()
         reason = "held by the operator" if command.mode == "hold" else "acknowledged"
         self._enter("hold", reason, now_ns)
+
+    def _release(self, successor: int, now_ns: int) -> None:
+        """End the lease, or pass it on. A latched stop stays."""
+        reason = "control was released"
+        if successor:
+            self.lease.hand_over(successor, now_ns)
+            reason = f"control was handed over to {self.lease.holder_name}"
+        else:
+            self.lease.release(now_ns)
+        if not self.latched:
+            self._rest(reason, now_ns)
 
     def _rest(self, reason: str, now_ns: int) -> None:
         """Zero velocity, and nobody is expected to send."""
@@ -186,6 +223,11 @@ class Watchdog:
             return
         self.mode, self.reason = mode, reason
         self.changes.append(ModeChange(now_ns, mode, reason))
+
+
+def _outside(command: VelocityCommand) -> str:
+    """The reason to refuse what comes from outside the lease."""
+    return "held" if command.mode == "acknowledge" else "foreign-session"
 
 
 def _fastest(command: VelocityCommand) -> float:

@@ -1,9 +1,11 @@
 """Three hosts on one machine: network namespaces for operator, netem and robot, joined by two cables."""
 
+import itertools
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from farhand.process import PARENT_VARIABLE
@@ -12,6 +14,9 @@ HOSTS = ("operator", "netem", "robot")
 NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT = "10.81.1.1", "10.81.2.1"
 OPERATOR, ROBOT = "10.81.1.2", "10.81.2.2"
 _ADDRESSES = {"operator": (OPERATOR, NETEM_FOR_OPERATOR), "robot": (ROBOT, NETEM_FOR_ROBOT)}
+
+
+_numbers = itertools.count()
 
 
 def why_not() -> str:
@@ -34,7 +39,8 @@ class Hosts:
     """
 
     def __init__(self) -> None:
-        self._names = {host: f"fh{os.getpid()}{host[:2]}" for host in HOSTS}
+        own = f"fh{os.getpid()}.{next(_numbers)}"
+        self._names = {host: f"{own}.{host}" for host in HOSTS}
         self._running: list[subprocess.Popen[str]] = []
         try:
             for name in self._names.values():
@@ -63,7 +69,13 @@ class Hosts:
             self.close()
             raise
 
-    def start(self, host: str, *module_and_arguments: str, log: Path | None = None) -> subprocess.Popen[str]:
+    def start(
+        self,
+        host: str,
+        *module_and_arguments: str,
+        log: Path | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> subprocess.Popen[str]:
         """Run a Python module on a host; its standard output is a pipe, or goes to the log."""
         command = self.command_on(host, sys.executable, "-m", *module_and_arguments)
         out = log.open("a") if log is not None else None
@@ -74,7 +86,7 @@ class Hosts:
                 stdout=out or subprocess.PIPE,
                 stderr=out or subprocess.DEVNULL,
                 text=True,
-                env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
+                env={**os.environ, **(environment or {}), PARENT_VARIABLE: str(os.getpid())},
             )
         finally:
             if out is not None:
@@ -93,6 +105,12 @@ class Hosts:
     def plug(self, host: str, up: bool) -> None:
         """Plug a host's cable in or out, at netem's end."""
         _ip("-n", self._names["netem"], "link", "set", f"to-{host}", "up" if up else "down")
+
+    def listening(self, host: str) -> list[str]:
+        """ADDRESS:PORT of everything on a host that accepts connections."""
+        command = ["ip", "netns", "exec", self._names[host], "ss", "-Hltn"]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
+        return [line.split()[3] for line in done.stdout.splitlines()]
 
     def close(self) -> None:
         """End what was started here and remove the namespaces."""

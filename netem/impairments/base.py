@@ -132,6 +132,7 @@ class Context:
         owner: the key for scope FLOW, else the message class or "".
         origin_ns: instant that schedules count from.
         generation: how many times live control has replaced this word.
+        robot: whose own network it is part of; empty: the common network.
     """
 
     seed: int
@@ -139,15 +140,19 @@ class Context:
     owner: str
     origin_ns: int
     generation: int = 0
+    robot: str = ""
 
     def rng(self, name: str) -> np.random.Generator:
         """The stream of this impairment's draws under `name`."""
         suffix = (str(self.generation),) if self.generation else ()
-        return stream(self.seed, "netem", self.direction, name, self.owner, *suffix)
+        return stream(self.seed, *self._network(), self.direction, name, self.owner, *suffix)
 
     def shared_rng(self, name: str) -> np.random.Generator:
-        """A stream of which every owner gets an equal copy, for what all flows must see alike."""
-        return stream(self.seed, "netem", self.direction, name, "", str(self.generation))
+        """A stream of which every owner in a network gets an equal copy, for what all flows must see alike."""
+        return stream(self.seed, *self._network(), self.direction, name, "", str(self.generation))
+
+    def _network(self) -> tuple[str, ...]:
+        return ("netem", f"own:{self.robot}") if self.robot else ("netem",)
 
 
 class Word(msgspec.Struct, frozen=True):

@@ -13,7 +13,8 @@ ACKNOWLEDGE_PERIOD_NS = 500_000_000
 
 
 class Tester:
-    """Drives through the scene's targets in order; acknowledges a latched stop, but never an emergency stop.
+    """Drives through the scene's targets in order; acknowledges a latched stop and control that
+    has become free, as a person would, but never an emergency stop.
 
     Args:
         settings: speeds, distances, tolerance.
@@ -56,8 +57,8 @@ class Tester:
         return s.near_speed + share * (s.far_speed - s.near_speed)
 
     def _acknowledges(self, state: RobotState, now_ns: int) -> bool:
-        """Twice a second while the robot is stopped: an acknowledgement may get lost like any message."""
-        if state.mode != "stopped":
+        """Twice a second while there is a need: an acknowledgement may get lost like any message."""
+        if state.mode == "estop" or (state.mode != "stopped" and state.holder != 0):
             return False
         if self._acknowledged_ns is not None and now_ns - self._acknowledged_ns < ACKNOWLEDGE_PERIOD_NS:
             return False

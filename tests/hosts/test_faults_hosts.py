@@ -5,8 +5,9 @@ import json
 import pytest
 
 from farhand.certificates import issue, make_authority
+from farhand.faults.attacks import attacks, perform
 from farhand.faults.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, Hosts, why_not
-from farhand.faults.runner import run_faults
+from farhand.faults.rig import Rig
 
 pytestmark = [
     pytest.mark.hosts,
@@ -15,11 +16,34 @@ pytestmark = [
 ]
 
 
-def test_recorded_commands_move_nothing():
-    (outcome,) = run_faults("recorded commands")
-    assert outcome.safe
-    assert outcome.refused.get("old-seq", 0) > 100
-    assert outcome.standing is None  # the lawful operator kept control
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    rig = Rig(tmp_path_factory.mktemp("faults"), attack_time=1.5)
+    yield rig
+    rig.hosts.close()
+
+
+def test_recorded_commands_move_nothing(rig):
+    done = perform(rig, "recorded", attacks()["recorded commands replayed"])
+    assert done.unsafe == ()
+    assert done.outcome.refused.get("old-seq", 0) > 50
+    assert done.outcome.standing is None  # the lawful operator kept control
+
+
+def test_an_operator_of_another_robot_is_refused_by_name(rig):
+    done = perform(rig, "another", attacks()["operator of another robot"])
+    assert done.unsafe == ()
+    assert "operator.bob may not" in done.line
+    assert (done.found["connected"], done.found["read"]) == (True, 0)
+    assert done.outcome.refused == {}
+
+
+def test_a_link_that_breaks_stops_the_robot_and_is_made_good(rig):
+    outcome, _ = rig.measure(lambda: rig.unplugged("robot", 2.0))
+    assert outcome.unsafe == ()
+    assert outcome.standing is not None
+    assert outcome.acknowledged is not None
+    assert outcome.lost > 5
 
 
 @pytest.fixture(scope="module")

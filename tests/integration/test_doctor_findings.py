@@ -5,12 +5,12 @@ import socket
 
 import pytest
 
-from common.codec import Decoder
-from common.messages import RobotState
-from common.presence import Presence
+from common.presence import Presence, about
 from common.scenario import load_scenario
 from common.zenoh_link import open_session
-from farhand.doctor import Answers, _path, _versions, examine
+from farhand.doctor import examine, run_doctor
+from farhand.doctor_facts import judge
+from farhand.doctor_path import Answers, judge_path
 from netem.check import free_ports
 
 pytestmark = pytest.mark.realtime
@@ -54,12 +54,43 @@ def test_another_robot_is_there_and_one_without_states():
 
 
 def test_a_slow_and_a_lossy_path_and_another_schema():
-    slow = _path(Answers(10, (1.4,) * 10, {}), SCENARIO)
+    slow = judge_path(Answers(10, (1.4,) * 10, {}), SCENARIO)
     assert worst(slow) == [("round trip", True)]
-    lossy = _path(Answers(100, (0.02,) * 30, {}), SCENARIO)
+    lossy = judge_path(Answers(100, (0.02,) * 30, {}), SCENARIO)
     assert worst(lossy) == [("loss", True)]
-    nearly = _path(Answers(100, (0.02,) * 99, {}), SCENARIO)
+    nearly = judge_path(Answers(100, (0.02,) * 99, {}), SCENARIO)
     assert worst(nearly) == []
-    other = _versions({"schema": 99, "farhand": "9"}, Decoder(RobotState))
-    assert worst(other) == [("schema", True)]
-    assert json.dumps(other[0].found)
+
+
+def test_what_programs_say_of_themselves():
+    own = about("doctor")
+    there = own | {"certificate": "netem.lab", "days_left": 200.0}
+    assert worst(judge("emulator", there, own)) == []
+    for change, what, level in (
+        ({"schema": 99}, "schema", "bad"),
+        ({"farhand": "9"}, "versions", "note"),
+        ({"realtime": False}, "scheduling", "note"),
+        ({"days_left": 12.3}, "certificate", "note"),
+        ({"days_left": -2.0}, "certificate", "bad"),
+        ({"utc": own["utc"] - 5 * 86_400}, "clock", "note"),
+    ):
+        found = judge("emulator", there | change, own | {"realtime": True})
+        hit = [f for f in found if f.what == f"{what}, emulator"]
+        assert [f.level for f in hit] == [level], what
+        assert hit[0].remedy
+    clock = judge("robot", there | {"utc": own["utc"] + 5 * 86_400}, own)
+    assert any("5 days ahead" in f.found for f in clock)
+    assert any("clock" in f.remedy for f in judge("robot", there | {"days_left": -1.0}, own))
+    assert any("12 days left" in f.found for f in judge("robot", there | {"days_left": 12.3}, own))
+
+
+def test_the_table_is_for_80_columns_and_says_what_to_do(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    endpoint = f"tcp/127.0.0.1:{free_ports(1)[0]}"
+    assert run_doctor(endpoint, "ur5", "", SCENARIO, 1, as_json=False) == 1
+    printed = capsys.readouterr().out
+    assert max(map(len, printed.splitlines())) <= 80
+    assert "→ start the program there" in printed
+    assert "1 of this is in the way" in printed
+    assert run_doctor(endpoint, "ur5", "", SCENARIO, 1, as_json=True) == 1
+    assert json.loads(capsys.readouterr().out)[-1]["level"] == "bad"

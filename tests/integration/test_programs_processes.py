@@ -16,7 +16,7 @@ from common.codec import Decoder, encode
 from common.executor import RealtimeExecutor
 from common.keys import command_key, scene_key, state_key
 from common.link import Packet
-from common.messages import Echo, RobotState, Scene, VelocityCommand
+from common.messages import SCHEMA, Echo, RobotState, Scene, VelocityCommand
 from common.ports import free_ports
 from common.zenoh_link import ZenohLink, open_session
 from farhand.tap import run_tap
@@ -226,7 +226,7 @@ def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):
             "malformed": [good[:n] for n in range(1, len(good), 7)] + [good + b"\x00"] * 9,
             "length": [b"", b"\xff" * 2_000_000, msgpack.packb(fresh | {"velocity": [1.0, 0.0]})],
             "non-finite": [msgpack.packb(fresh | {"velocity": [v, 0.0, 0.0]}) for v in (float("nan"), float("inf"))],
-            "schema": [msgpack.packb(fresh | {"schema": 2})],
+            "schema": [msgpack.packb(fresh | {"schema": SCHEMA + 1})],
             "unknown-field": [msgpack.packb(fresh | {"thrust": 1.0})],
             "type": [msgpack.packb(fresh | {"velocity": "fast"}), msgpack.packb([1, 2, 3])],
             "checksum": [good.replace(b"\xa3run", b"\xa3ruN")[:-4] + b"\0\0\0\0", msgpack.packb(table | {"check": 1})],
@@ -270,7 +270,7 @@ def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):
         printed = capsys.readouterr().out.splitlines()
         assert len(printed) == 2
         assert printed[0].startswith("farhand/r/state  ")
-        assert "'schema': 1" in printed[0]
+        assert f"'schema': {SCHEMA}" in printed[0]
     finally:
         client.close()
     assert robot.interrupt() == 0

@@ -1,6 +1,9 @@
 """Attackers against the emulator's TLS side over real Zenoh: none moves a robot, none sees one."""
 
+import socket
+import ssl
 import threading
+from contextlib import contextmanager, suppress
 
 import pytest
 import zenoh
@@ -11,6 +14,7 @@ from common.tls import TlsFolder, load_folder, read_certificate, watch_names
 from common.zenoh_link import open_session
 from farhand.certificates import issue, make_authority
 from farhand.doctor import examine
+from farhand.doctor_network import probe_tls
 from farhand.robots import alive, meet
 from netem.check import free_ports
 from netem.proxy import Proxy
@@ -59,7 +63,9 @@ class Rig:
         else:
             own = read_certificate(folder / "cert.pem")
             extra = [
-                s for s in TlsFolder(folder, own, (), ()).settings("operator") if s[0] != "access_control"
+                s
+                for s in TlsFolder(folder, own, own, (), ()).settings("operator")
+                if s[0] != "access_control"
             ]
         session = open_session([endpoint or self.operator_side], mode=mode, extra=extra)
         self.sessions.append(session)
@@ -104,6 +110,24 @@ def lawful_marker(rig):
     rig.wakened.clear()
     assert put_until(lambda: alice.put(COMMAND, b"lawful"), rig.wakened)
     return alice
+
+
+@contextmanager
+def tls_server(folder):
+    """Something with TLS that takes one connection; its endpoint."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(folder / "cert.pem", folder / "key.pem")
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def serve():
+            connection, _ = listening.accept()
+            with connection, suppress(OSError), context.wrap_socket(connection, server_side=True) as secured:
+                secured.recv(1)  # until the other end closes it
+
+        thread = threading.Thread(target=serve, daemon=True)
+        thread.start()
+        yield f"tls/127.0.0.1:{listening.getsockname()[1]}"
+        thread.join(PATIENCE)
 
 
 def test_the_lawful_operator_reaches_its_robot_only(rig):
@@ -170,6 +194,28 @@ def test_refused_at_the_handshake(rig, tmp_path, attack):
     assert b"attack" not in {p.payload for p in rig.proxy.operator_link.receive()}
 
 
+def test_a_link_that_closes_because_a_certificate_ends_is_told_at_both_ends(rig):
+    short = load_folder(issue(rig.folder, "operator", "short", ["ur5"], days=3.0 / 86_400.0))
+    server = load_folder(rig.folder / "netem.lab")
+    assert any("operator.short" in line and "less than an hour" in line for line in server.warnings)
+    endpoint = f"tls/127.0.0.1:{free_ports(1)[0]}"
+    there = open_session(listen=[endpoint], extra=server.settings("netem-operator"))
+    here = open_session([endpoint], extra=short.settings("operator"))
+    rig.sessions += [here, there]
+    said = [threading.Event(), threading.Event()]
+    ended = "certificate 'operator.short' has ended"
+    watches = [
+        watch_names(session, folder, place, lambda line, event=event: ended in line and event.set())
+        for session, folder, place, event in (
+            (here, short, "operator", said[0]),
+            (there, server, "netem-operator", said[1]),
+        )
+    ]
+    assert all(event.wait(PATIENCE) for event in said)
+    assert watches
+    assert not meet(here, 0.5)
+
+
 def test_a_server_with_another_hosts_certificate_is_not_trusted(rig, tmp_path):
     """Right authority, wrong name: whoever stole a robot's certificate cannot play the emulator elsewhere."""
     alice = rig.connect(
@@ -189,6 +235,32 @@ def test_the_doctor_sees_wrong_certificates(rig, tmp_path):
     found = examine(rig.operator_side, "ur5", str(rig.folder / "operator.alice"), scenario, 1)
     assert ("good", "TLS") in {(f.level, f.what) for f in found}
     assert (found[-1].level, found[-1].what) == ("bad", "robot")
+
+
+def test_the_doctor_thinks_of_the_clock_where_a_date_is_wrong(rig, monkeypatch):
+    """Ours has ended for the other side; the other's has ended, or begins in the future, for us."""
+    ended = issue(rig.folder, "operator", "ended", ["ur5"], days=-1)
+    own = read_certificate(ended / "cert.pem")
+    found = probe_tls(rig.operator_side, TlsFolder(ended, own, own, (), ()))
+    assert found.level == "bad"
+    assert "clock of the host there" in found.remedy
+    alice = load_folder(rig.folder / "operator.alice")
+    with tls_server(issue(rig.folder, "router", "nearly", days=5)) as endpoint:
+        found = probe_tls(endpoint, alice)
+    assert (found.level, found.what) == ("note", "TLS")
+    assert "router.nearly has 5 days left" in found.found
+    assert "renew router.nearly" in found.remedy
+    server = issue(rig.folder, "netem", "old", days=-1)
+    with tls_server(server) as endpoint:
+        found = probe_tls(endpoint, alice)
+    assert (found.level, found.what) == ("bad", "TLS")
+    assert "this host's clock" in found.remedy
+    monkeypatch.setattr("common.certificate.utc_seconds", lambda: 0.0)
+    found, *more = examine(rig.operator_side, "ur5", str(alice.path), load_scenario("point-obstacle"), 1)
+    assert not more
+    assert found.level == "bad"
+    assert "not valid before" in found.found
+    assert "clock" in found.remedy
 
 
 def test_through_a_router_with_the_printed_configuration(rig):

@@ -21,12 +21,14 @@ from common.messages import (
 )
 
 REASONS = {"length", "malformed", "checksum", "schema", "unknown-field", "type", "non-finite"}
+TURNING = [*map(chr, range(0x202A, 0x202F)), *map(chr, range(0x2066, 0x206A))]  # the direction of writing
 KINDS = [VelocityCommand, RobotState, Scene, ControlReport]
 
 real = st.floats(-1e6, 1e6)
 vector = st.tuples(real, real, real)
 stamp = st.integers(0, 2**63 - 1)
-name = st.text(min_size=1, max_size=64)
+printable = st.characters(exclude_categories=("Cc", "Cs", "Zl", "Zp"), exclude_characters=TURNING)
+name = st.text(printable, min_size=1, max_size=64)
 text = st.text(max_size=512)
 echo = st.builds(Echo, stamp, stamp, stamp, st.integers(0, 2**62))
 head = {"source": name, "session": stamp, "seq": stamp, "t_sent_ns": stamp, "echo": st.none() | echo}
@@ -44,6 +46,7 @@ commands = st.builds(
     plan=st.lists(vector, max_size=12).map(tuple),
     plan_period_ns=st.integers(1_000_000, 10_000_000_000),
     desired=vector,
+    successor=stamp,
 )
 states = st.builds(
     RobotState,
@@ -59,10 +62,14 @@ states = st.builds(
     mode=safety,
     reason=text,
     holder=stamp,
+    holder_name=st.just("") | name,
+    lease_end=st.sampled_from(["", "released", "silent"]),
+    waiting=st.lists(st.tuples(stamp, name), max_size=4).map(tuple),
     clearance=real,
     min_clearance=real,
     arm_clearance=maybe,
     refused=st.dictionaries(name, stamp, max_size=5),
+    received=stamp,
     stops=stamp,
 )
 scenes = st.builds(
@@ -107,6 +114,7 @@ reports = st.builds(
     refused_there=stamp,
     stops=stamp,
     state_rate=real,
+    states=stamp,
     overruns=stamp,
 )
 messages = st.one_of(commands, states, scenes, reports)
@@ -259,6 +267,10 @@ BASE = {
         ({"plan": [[0, 0, 0]] * 257}, "length"),
         ({"source": ""}, "length"),
         ({"source": "x" * 65}, "length"),
+        ({"source": "al\x1b[2Jice"}, "type"),
+        ({"source": "alice\n"}, "type"),
+        ({"source": "al\u202eice"}, "type"),
+        ({"successor": -1}, "type"),
         ({"mode": "walk"}, "type"),
         ({"seq": -1}, "type"),
         ({"seq": 2**63}, "type"),

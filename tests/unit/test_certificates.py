@@ -1,14 +1,21 @@
 """The authority, its members' folders, and what access follows from a certificate."""
 
+import json
+import os
 import stat
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
 from common.access import access_control
 from common.certificate import read_certificate
+from common.clock import utc_seconds
 from common.errors import CertificateError, EndpointError, InputError
+from common.expiry import ExpiryWatch
+from common.presence import answerer
 from common.tls import load_folder, nested
-from farhand.certificates import issue, make_authority, members, renew
+from farhand.certificates import exclusive, issue, make_authority, members, renew
 from farhand.security import secure
 
 
@@ -62,11 +69,16 @@ def test_renewal_keeps_the_rights_and_changes_the_key(authority):
         ("netem", "a", ["ur5"]),
         ("robot", "a/b", []),
         ("robot", "netem", []),
+        ("operator", "al ice", ["ur5"]),
+        ("operator", "../alice", ["ur5"]),
+        ("operator", "alice", ["a/b"]),
+        ("operator", "älice", ["ur5"]),
     ],
 )
 def test_impossible_members(authority, role, name, robots):
-    with pytest.raises(InputError):
+    with pytest.raises(InputError) as refused:
         issue(authority, role, name, robots)
+    assert "\n" not in str(refused.value)
 
 
 def test_a_folder_must_fit_its_program(authority):
@@ -144,3 +156,114 @@ def test_without_tls_only_this_host(authority):
         secure(str(authority / "netem.lab"), False, ["tcp/127.0.0.1:7447"], [], said.append)
     with pytest.raises(InputError, match="exclude"):
         secure(str(authority / "netem.lab"), True, [], [], said.append)
+
+
+def test_folders_are_their_owners_alone(tmp_path):
+    make_authority(tmp_path / "certs")
+    made = issue(tmp_path / "certs", "robot", "ur5")
+    assert {stat.S_IMODE(path.stat().st_mode) for path in (tmp_path / "certs", made)} == {0o700}
+
+
+@pytest.mark.parametrize("host", ["10.0.0.5:7447", "tls/lab", "bad host", "", "ä.example", "-x"])
+def test_impossible_hosts(authority, host):
+    with pytest.raises(CertificateError, match="--host"):
+        issue(authority, "netem", "other", hosts=[host])
+
+
+def test_a_certificate_ends_with_its_authority_at_the_latest(tmp_path):
+    make_authority(tmp_path / "certs", days=10)
+    made = issue(tmp_path / "certs", "robot", "ur5", days=365)
+    own, ca = read_certificate(made / "cert.pem"), read_certificate(tmp_path / "certs" / "ca.pem")
+    assert own.certificate.not_valid_after_utc <= ca.certificate.not_valid_after_utc
+    assert own.days_left > 9.9
+    for days in (float("nan"), float("inf"), 1e9):
+        with pytest.raises(InputError, match="--days"):
+            issue(tmp_path / "certs", "robot", "box", days=days)
+
+
+def test_two_issues_at_the_same_time_make_both_and_tell_each_of_the_other(authority):
+    def make(number):
+        with exclusive(authority):
+            return issue(authority, "robot", f"arm{number}")
+
+    with ThreadPoolExecutor(8) as pool:
+        made = list(pool.map(make, range(16)))
+    names = {path.name for path in made}
+    for path in made:
+        assert names <= {file.stem for file in (path / "members").glob("*.pem")}
+        load_folder(path, "robot")
+
+
+def test_a_folder_that_cannot_be_used_is_one_line():
+    for call in (lambda f: make_authority(f), lambda f: issue(f, "robot", "ur5")):
+        for folder in (Path("/proc/nothing"), Path("/dev/null")):
+            with pytest.raises(CertificateError) as refused, exclusive(folder, create=True):
+                call(folder)
+            assert "\n" not in str(refused.value)
+            assert str(folder) in str(refused.value)
+
+
+def test_a_wrong_clock_is_thought_of(authority, monkeypatch):
+    """A clock ten years behind: not valid yet; ten years ahead: ended. Both lines name this host's clock."""
+    now = utc_seconds()
+    for years, text in ((-10, "not valid before"), (10, "ended on")):
+        monkeypatch.setattr(
+            "common.certificate.utc_seconds", lambda years=years: now + years * 365.25 * 86_400
+        )
+        with pytest.raises(CertificateError, match=f"{text}.*this host's clock says"):
+            load_folder(authority / "operator.alice")
+
+
+def test_a_running_program_warns_once_a_day_and_at_the_end(authority):
+    """In virtual time: 40 days of looking every hour at a certificate that has 35, and one that is near its end."""
+    own = read_certificate(issue(authority, "operator", "alice", ["ur5"], days=35, force=True) / "cert.pem")
+    near = read_certificate(issue(authority, "robot", "box", days=20) / "cert.pem")
+    far = read_certificate(authority / "netem.lab" / "cert.pem")
+    start = utc_seconds()
+    watch = ExpiryWatch([own, near, far], start)
+    said = [(hour / 24.0, line) for hour in range(40 * 24) for line in watch.step(start + hour * 3600.0)]
+    mine = [(day, line) for day, line in said if "operator.alice" in line]
+    assert [round(day) for day, _ in mine[:3]] == [5, 6, 7]
+    assert len(mine) == 31
+    assert "ends in 30 days" in mine[0][1]
+    assert "ends in 24 hours" in mine[-2][1]
+    assert "has ended" in mine[-1][1]
+    assert mine[-1][0] == pytest.approx(35, abs=0.1)
+    others = [day for day, line in said if "robot.box" in line]
+    assert others[0] == pytest.approx(1.0)  # the start itself has said it
+    assert others[-1] == pytest.approx(20, abs=0.1)
+    assert len(said) == len(mine) + len(others)
+    assert len(watch.step(start)) == 1  # the clock was put back, to where one is near its end
+
+
+def test_a_program_answers_with_the_days_left_now_not_those_of_its_start(authority, monkeypatch):
+    answer = answerer("robot", read_certificate(authority / "robot.ur5" / "cert.pem"))
+    first = json.loads(answer())
+    now = utc_seconds()
+    monkeypatch.setattr("common.certificate.utc_seconds", lambda: now + 100 * 86_400.0)
+    assert json.loads(answer())["days_left"] == pytest.approx(first["days_left"] - 100, abs=0.1)
+
+
+def test_a_clock_that_is_put_back_does_not_silence_the_watch(authority):
+    own = read_certificate(issue(authority, "operator", "alice", ["ur5"], days=20, force=True) / "cert.pem")
+    start = utc_seconds()
+    watch = ExpiryWatch([own], start)
+    assert watch.step(start + 3600) == []
+    assert len(watch.step(start - 5 * 86_400.0)) == 1
+    assert watch.step(start - 5 * 86_400.0 + 60) == []
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to become somebody else")
+def test_an_unreadable_folder_is_one_line(authority):
+    os.seteuid(65_534)
+    try:
+        for call in (lambda: load_folder(authority / "robot.ur5"), lambda: members(authority)):
+            with (
+                pytest.raises(CertificateError, match=r"(cannot be read|cannot be used).*ermission denied"),
+                exclusive(authority),
+            ):
+                call()
+        with pytest.raises(CertificateError, match="cannot be read: Permission denied"):
+            load_folder(authority / "robot.ur5")
+    finally:
+        os.seteuid(0)

@@ -140,6 +140,11 @@ BAD = [
     (["operator", "--record", "."], "--record"),
     (["operator", "--result", "no/x.json"], "--result"),
     (["operator", "--time-limit", "-3"], "--time-limit"),
+    (["operator", "--name", "x" * 65], "1 to 64 printable"),
+    (["operator", "--name", "al\nice"], "1 to 64 printable"),
+    (["handover", "--connect", "tcp/10.0.0.1:7446"], "--connect"),
+    (["handover", "--robot", "a/b"], "a/b"),
+    (["handover", "--to", "x" * 65], "--to"),
     (["watch", "--connect", "nowhere"], "nowhere"),
     (["watch", "--robot", ""], "--robot"),
     (["tap", "nowhere"], "nowhere"),
@@ -148,6 +153,16 @@ BAD = [
     (["tap", "tcp/127.0.0.1:20001", "--count", "0"], "--count"),
     (["netem", "--uplink", "gaussian:5"], "gaussian"),
     (["netem", "--listen-robot", "nowhere"], "nowhere"),
+    (["netem", "--robot-network", "arm2"], "arm2"),
+    (["netem", "--robot-network", "arm2:up=none"], "NAME:uplink"),
+    (["netem", "--robot-network", "arm2=none", "--robot-network", "arm2=loss:1%"], "twice"),
+    (["netem", "--robot-network", "arm2=none", "--backend", "tc"], "--robot-network"),
+    (["netem", "set", "none", "--robot", "a/b"], "a/b"),
+    (["certs", "issue", "operator", "al ice", "--robot", "ur5"], "al ice"),
+    (["certs", "renew", "../x"], "../x"),
+    (["certs", "init", "--dir", "/proc/nothing"], "/proc/nothing"),
+    (["certs", "init", "--name", ""], "--name"),
+    (["certs", "show", "."], "farhand certs init"),
 ]
 
 

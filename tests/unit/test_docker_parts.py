@@ -25,7 +25,6 @@ def load(name: str):
 
 
 part = load("part")
-slim = load("slim")
 
 ENVIRONMENT = {"NETWORK": "gaussian:50,20 loss:1%", "SEED": "3", "MARGIN": "", "SCENARIO": "ur5-obstacle"}
 
@@ -49,7 +48,7 @@ def test_each_part_meets_netem_on_its_own_side(tmp_path):
 @pytest.mark.parametrize("role", ["netem", "robot", "operator"])
 def test_every_option_exists(role, tmp_path):
     settings = ENVIRONMENT | {"MARGIN": "paper", "PREDICTOR": "echo", "SOLVER": "sqp", "TIME_LIMIT": "5"}
-    settings |= {"UPLINK": "none", "DOWNLINK": "none", "BACKEND": "tc", "SECURITY": SECURITY}
+    settings |= {"UPLINK": "none", "DOWNLINK": "none", "BACKEND": "tc", "TLS": str(tmp_path)}
     for arguments in (
         part.program_arguments(role, tmp_path, settings),
         [
@@ -65,14 +64,16 @@ def test_every_option_exists(role, tmp_path):
     assert run([*arguments, "--no-such-option", "--help"]) == 2
 
 
-SECURITY = next(
-    (
-        line.split(":", 1)[1].strip().strip('"')
-        for line in (DOCKER / "compose.yaml").read_text().splitlines()
-        if line.strip().startswith("SECURITY:")
-    ),
-    "",
-)
+def test_tls_where_the_container_has_certificates(tmp_path):
+    settings = ENVIRONMENT | {"TLS": str(tmp_path)}
+    for role in part.ROLES:
+        assert "--insecure" in part.program_arguments(role, tmp_path, settings)
+    (tmp_path / "cert.pem").touch()
+    for role in part.ROLES:
+        arguments = part.program_arguments(role, tmp_path, settings)
+        assert "--insecure" not in arguments
+        assert option(arguments, "--tls") == str(tmp_path)
+        assert not any("tcp/" in each for each in arguments)
 
 
 class FakePart(part.Part):
@@ -89,15 +90,17 @@ class FakePart(part.Part):
         return subprocess.Popen([sys.executable, "-c", self.scripts[arguments[0]]])
 
 
-FOREVER = "import signal; signal.pause()"
+FOREVER = "import signal; signal.alarm(5); signal.pause()"  # long enough to be told
 OBEYS = "import signal, sys; signal.signal(15, lambda *_: sys.exit(0)); signal.pause()"
 
 
 @pytest.fixture(autouse=True)
-def quick(monkeypatch):
+def quick(monkeypatch, tmp_path):
     monkeypatch.setattr(part, "LOOK_EVERY", 0.02)
     monkeypatch.setattr(part, "PATIENCE", 0.4)
     monkeypatch.setattr(part, "SUMMARY_PATIENCE", 0.4)
+    monkeypatch.setattr(part, "FAREWELL", 0.4)
+    monkeypatch.setattr(part, "FAILED", tmp_path / "failed")
 
 
 def test_the_operators_end_ends_all_and_the_summary_gives_the_code(tmp_path):
@@ -138,10 +141,66 @@ def test_the_others_end_when_the_operator_has_driven(role, tmp_path):
 
 def test_a_dead_robot_ends_the_operator_and_says_why(tmp_path):
     robot = FakePart("robot", tmp_path, {"robot": "raise SystemExit(7)"})
-    assert robot.run() == 7
     operator = FakePart("operator", tmp_path, {"operator": FOREVER, "summarise": ""})
+    timer = threading.Timer(0.3, robot.run)
+    timer.start()
     assert operator.run() != 0
+    timer.join()
     assert operator.started[-1][-2:] == ["--why", "the robot program ended with exit code 7"]
+
+
+def test_a_part_that_failed_first_keeps_nobody_waiting(tmp_path):
+    netem = FakePart("netem", tmp_path, {"netem": "raise SystemExit(2)"})
+    assert netem.run() == 2
+    assert part.FAILED.exists()
+    part.FAILED.unlink()
+    for role in ("robot", "operator"):
+        late = FakePart(role, tmp_path, {})
+        assert late.run() == 1
+        assert late.started == []
+        assert part.FAILED.exists()
+    assert (tmp_path / "ended").exists()
+
+
+def test_a_silent_container_ends_the_run_and_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(part, "SILENCE", 0.1)
+    (tmp_path / "alive.robot").touch()  # and never again
+    (tmp_path / "netem.json").write_text("{}")
+    operator = FakePart("operator", tmp_path, {"operator": FOREVER, "summarise": ""})
+    assert operator.run() == 1
+    assert operator.started[-1][-2:] == ["--why", "the robot's container has died"]
+    assert not (tmp_path / "alive.operator").exists()
+
+
+def test_without_an_operator_the_others_end_at_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(part, "SILENCE", 0.1)
+    monkeypatch.setattr(part, "SUMMARY_PATIENCE", 2.0)
+    (tmp_path / "alive.operator").touch()
+    netem = FakePart("netem", tmp_path, {"netem": OBEYS})
+    netem.clear = lambda: None
+    netem.run()
+    assert (tmp_path / "ended").exists()
+
+
+def test_a_part_that_lives_is_not_silent(tmp_path, monkeypatch):
+    monkeypatch.setattr(part, "SILENCE", 0.1)
+    here, there = part.Peers("netem", tmp_path), part.Peers("robot", tmp_path)
+    for count in range(50):
+        assert here.look() == there.look() == ""
+        os.utime(
+            tmp_path / "alive.netem", ns=(count, count)
+        )  # whatever the resolution of the file system's times
+    there.leave()
+    assert [here.look() for _ in range(50)] == [""] * 50
+    assert here.gone()
+    assert not there.gone()
+
+
+def test_a_part_that_is_told_to_end_tells_the_others(tmp_path):
+    robot = FakePart("robot", tmp_path, {"robot": OBEYS})
+    robot.told.set()
+    robot.run()
+    assert (tmp_path / "driven").read_text().strip() == "the robot's container was told to end"
 
 
 def test_a_program_that_does_not_obey_is_killed(tmp_path):
@@ -165,44 +224,7 @@ def test_netem_clears_what_an_earlier_run_left(tmp_path):
     assert (folder / "driven").read_text().strip() == "the netem program ended with exit code 0"
 
 
-def test_equal_libraries_become_links(tmp_path):
-    for name in ("liba.so", "liba.so.3", "liba.so.3.7"):
-        (tmp_path / name).write_bytes(b"same")
-    (tmp_path / "libb.so").write_bytes(b"other")
-    slim.link_copies(tmp_path)
-    assert (tmp_path / "liba.so").readlink() == Path("liba.so.3.7")
-    assert (tmp_path / "liba.so").read_bytes() == b"same"
-    assert not (tmp_path / "libb.so").is_symlink()
-    assert slim.weight([tmp_path]) == 9
-
-
-def test_only_asked_for_solvers_stay(tmp_path, monkeypatch):
-    asks = {
-        "_casadi.so": ["libcasadi.so.3"],
-        "libcasadi.so.3": [],
-        "libcasadi_nlpsol_ipopt.so": ["libipopt.so"],
-        "libipopt.so": ["libmumps.so", "libc.so.6"],
-        "libmumps.so": [],
-        "libcasadi_conic_highs.so": ["libhighs.so"],
-        "libhighs.so": [],
-    }
-    for name in asks:
-        (tmp_path / name).write_bytes(name.encode())
-    monkeypatch.setattr(slim, "needed", lambda path: asks[path.name])
-    gone = {path.name for path in slim.unwanted_solvers(tmp_path)}
-    assert gone == {"libcasadi_conic_highs.so", "libhighs.so"}
-
-
-def test_the_images_requirements_are_the_programs_without_the_laboratory():
-    if sys.version_info < (3, 11):
-        pytest.skip("the image's Python is 3.11")
-    found = load("runtime_requirements").requirements((ROOT / "pyproject.toml").read_text())
-    names = {line.split(">")[0].split("=")[0] for line in found}
-    assert {"eclipse-zenoh", "pybullet", "casadi", "numba"} <= names
-    assert not {"pyarrow", "pytest"} & names
-
-
-@pytest.mark.parametrize("name", ["entry.sh", "healthy.sh", "keys.sh", "try.sh"])
+@pytest.mark.parametrize("name", ["entry.sh", "healthy.sh", "keys.sh", "try.sh", "systemd/try.sh"])
 def test_scripts_are_well_formed(name):
     subprocess.run(["sh", "-n", str(DOCKER / name)], check=True)
 
@@ -228,6 +250,7 @@ def test_no_service_has_more_rights_than_it_says():
         assert line in text
     assert "cap_add" not in text
     assert "privileged: true" not in text
+    assert "condition: service_completed_successfully }" in text.split("\n  verdict:\n")[1].split("\n\n")[0]
     operator, robot = (text.split(f"\n  {name}:\n")[1].split("\n\n")[0] for name in ("operator", "robot"))
     assert "networks: [operator_side]" in operator
     assert "networks: [robot_side]" in robot

@@ -172,14 +172,31 @@ def test_without_the_adaptive_margin_there_is_no_resynchronising():
     assert [bench.tick().velocity for _ in range(15)] == [FORWARD] * 15
 
 
-def test_another_holder_makes_it_silent():
+def test_while_another_one_holds_control_it_only_asks_once_a_second():
     bench = Bench()
     command = bench.drive()
-    bench.robot(command, holder=ME + 1)
-    assert bench.tick() is None
-    assert "another operator holds control" in bench.node.report.stop_reason
-    bench.robot(command, holder=0)
+    bench.robot(command, holder=ME + 1, holder_name="eve")
+    asked = [bench.tick() for _ in range(12)]
+    assert [k for k, c in enumerate(asked) if c is not None] == [0, 10]
+    assert {(c.mode, c.velocity, c.source) for c in asked if c} == {("acknowledge", ZERO, "operator")}
+    assert bench.node.report.mode == "hold"
+    assert bench.node.report.stop_reason.startswith("eve holds control; waiting")
+    assert bench.node.round_trip.age(bench.now) == 0.0  # nothing answers who asks
+    bench.robot(command, holder=0, lease_end="released")
     assert bench.tick().mode == "acknowledge"
+
+
+def test_control_is_handed_over_to_whom_it_is_told():
+    bench = Bench()
+    command = bench.drive()
+    bench.robot(command, waiting=((ME + 1, "eve"),))
+    bench.node.hand_over(ME + 1)
+    given = bench.tick()
+    assert (given.mode, given.successor, given.velocity) == ("release", ME + 1, ZERO)
+    assert bench.node.successor == ME + 1
+    bench.robot(command, holder=ME + 1, holder_name="eve")
+    assert bench.tick().mode == "acknowledge"
+    assert (bench.node.successor, bench.node.report.source) == (0, "operator")
 
 
 def test_a_device_let_go_holds_and_an_emergency_stop_stops():

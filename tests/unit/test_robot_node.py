@@ -9,7 +9,7 @@ import pytest
 from common.codec import Decoder, encode
 from common.keys import command_key, scene_key, state_key
 from common.link import Packet, memory_wire
-from common.messages import Echo, Obstacle, RobotState, Scene, VelocityCommand
+from common.messages import SCHEMA, Echo, Obstacle, RobotState, Scene, VelocityCommand
 from common.scenario import load_scenario
 from robot_side.obstacles import ObstacleField
 from robot_side.point import PointRobot
@@ -93,7 +93,7 @@ def test_garbage_is_counted_and_moves_nothing(payload):
         ({"velocity": (math.inf, 0.0, 0.0)}, "non-finite"),
         ({"velocity": (0.0, 0.0)}, "length"),
         ({"plan": ((0.0, math.nan, 0.0),)}, "non-finite"),
-        ({"schema": 2}, "schema"),
+        ({"schema": SCHEMA + 1}, "schema"),
         ({"echo": None}, "no-echo"),
     ],
 )

@@ -13,12 +13,25 @@ START = 5_000 * MS
 V = (0.1, 0.0, 0.0)
 
 
-def command(seq, mode="run", *, now=START, age_ms=20, session=7, velocity=V, plan=(), echo=True):
+def command(
+    seq,
+    mode="run",
+    *,
+    now=START,
+    age_ms=20,
+    session=7,
+    velocity=V,
+    plan=(),
+    echo=True,
+    source="op",
+    successor=0,
+):
     return VelocityCommand(
-        source="op",
+        source=source,
         session=session,
         seq=seq,
         t_sent_ns=1,
+        successor=successor,
         mode=mode,
         velocity=velocity,
         plan=plan,
@@ -133,11 +146,13 @@ def test_estop_latches_from_anyone_and_only_the_holder_leads_out(watchdog):
 def test_handover_is_explicit_and_old_commands_stay_dead(watchdog):
     watchdog.receive(command(1), START)
     assert not watchdog.receive(command(1, "acknowledge", session=8), START)
+    assert watchdog.refused == {"held": 1}
     assert watchdog.receive(command(2, "release"), START)
     assert watchdog.reason == "control was released"
-    assert watchdog.receive(command(1, "acknowledge", session=8), START)
-    assert watchdog.lease.holder == 8
-    watchdog.receive(command(2, "release", session=8), START)
+    assert not watchdog.receive(command(2, "acknowledge", session=8), START)  # it cannot have known
+    assert watchdog.receive(command(3, "acknowledge", session=8, age_ms=0), START)
+    assert (watchdog.lease.holder, watchdog.lease.holder_name) == (8, "op")
+    watchdog.receive(command(4, "release", session=8), START)
     assert not watchdog.receive(command(1), START)  # a replay of what session 7 once sent
     assert watchdog.refused["old-seq"] == 1
 
@@ -147,7 +162,10 @@ def test_silent_holder_loses_control(watchdog):
     gone = START + 2001 * MS
     watchdog.tick(gone)
     assert (watchdog.lease.holder, watchdog.mode) == (0, "stopped")
-    assert watchdog.receive(command(1, "acknowledge", session=8, now=gone), gone)
+    assert watchdog.lease.end == "silent"
+    assert not watchdog.receive(command(1, "acknowledge", session=8, now=gone, age_ms=1), gone)
+    assert watchdog.refused == {"held": 1}
+    assert watchdog.receive(command(2, "acknowledge", session=8, now=gone, age_ms=0), gone)
     assert (watchdog.lease.holder, watchdog.mode) == (8, "hold")
 
 
@@ -163,3 +181,90 @@ def test_stale_grant_is_no_grant(watchdog):
     assert not watchdog.receive(command(1, "acknowledge", age_ms=1500), START)
     assert not watchdog.receive(command(2, "hold", echo=False), START)
     assert watchdog.lease.holder == 0
+
+
+def waiting(watchdog, now=START):
+    return watchdog.lease.waiting(now)
+
+
+def test_who_asks_is_remembered_for_three_seconds_and_only_if_the_request_is_fresh(watchdog):
+    watchdog.receive(command(1), START)
+    for bad in (
+        command(5, "acknowledge", session=8, age_ms=1001),
+        command(5, "acknowledge", session=8, echo=False),
+    ):
+        assert not watchdog.receive(bad, START)
+    assert waiting(watchdog) == ()
+    assert not watchdog.receive(command(5, "acknowledge", session=8, source="bob"), START)
+    assert not watchdog.receive(command(5, "acknowledge", session=8, source="mallory"), START)
+    assert watchdog.refused == {"stale": 1, "no-echo": 1, "held": 1, "old-seq": 1}
+    assert waiting(watchdog, START + 3000 * MS) == ((8, "bob"),)
+    assert waiting(watchdog, START + 3001 * MS) == ()
+    assert watchdog.lease.holder == 7
+
+
+def test_the_newest_four_that_ask_are_remembered(watchdog):
+    watchdog.receive(command(1), START)
+    for session in (11, 12, 13, 11, 14, 15):
+        watchdog.receive(command(session + len(watchdog.refused), "acknowledge", session=session), START)
+        watchdog.refused[f"{session}"] += 1
+    assert [session for session, _ in waiting(watchdog)] == [13, 11, 14, 15]
+
+
+@pytest.fixture
+def asked(watchdog):
+    """Session 7 runs, and session 8, bob, waits."""
+    watchdog.receive(command(1), START)
+    watchdog.receive(command(1, "acknowledge", session=8, source="bob"), START)
+    watchdog.refused.clear()
+    return watchdog
+
+
+def test_a_handover_rests_and_only_the_successor_has_control(asked):
+    assert asked.receive(command(2, "release", successor=8), START)
+    assert (asked.lease.holder, asked.lease.holder_name, waiting(asked)) == (8, "bob", ())
+    assert (asked.mode, asked.reason, asked.velocity(START)) == (
+        "hold",
+        "control was handed over to bob",
+        ZERO,
+    )
+    assert not asked.receive(command(3, age_ms=0), START)
+    assert not asked.receive(command(1, "acknowledge", session=9, age_ms=0), START)
+    assert asked.refused == {"foreign-session": 1, "held": 1}
+    assert asked.receive(command(2, session=8, age_ms=0), START)
+    assert (asked.mode, asked.velocity(START)) == ("run", V)
+
+
+def test_a_successor_that_is_never_heard_loses_control_by_itself(asked):
+    asked.receive(command(2, "release", successor=8), START)
+    asked.tick(START + 2000 * MS)
+    assert asked.lease.holder == 8
+    asked.tick(START + 2001 * MS)
+    assert (asked.lease.holder, asked.lease.holder_name, asked.lease.end) == (0, "", "silent")
+    assert (asked.mode, asked.reason) == ("hold", "the holder of control fell silent")
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        (command(2, "release", successor=9), "no-successor"),
+        (command(2, "release", successor=7), "no-successor"),
+        (command(2, "release", successor=8, age_ms=1001), "stale"),
+        (command(2, "release", successor=8, echo=False), "no-echo"),
+        (command(2, "release", successor=9, session=8), "foreign-session"),
+    ],
+)
+def test_a_handover_that_is_none_leaves_control_where_it_is(asked, bad, reason):
+    assert not asked.receive(bad, START)
+    assert asked.refused == {reason: 1}
+    assert (asked.lease.holder, asked.velocity(START)) == (7, V)
+
+
+def test_a_request_under_way_clears_no_stop_for_the_successor(asked):
+    asked.fault("it broke", START)
+    under_way = command(2, "acknowledge", session=8)
+    assert asked.receive(command(2, "release", successor=8), START)
+    assert not asked.receive(under_way, START)
+    assert (asked.mode, asked.lease.holder, asked.refused) == ("stopped", 8, {"held": 1})
+    assert asked.receive(command(3, "acknowledge", session=8, age_ms=0), START)
+    assert asked.mode == "hold"

@@ -1,0 +1,77 @@
+"""What the robot's program says to people: who has control, stops, and what it refuses."""
+
+from collections.abc import Callable
+
+from common.clock import to_ns
+from common.rare_lines import RareLines
+from robot_side.command_intake import CommandIntake
+from robot_side.watchdog import Watchdog
+
+LOOK_EVERY = 0.25
+_MEANINGS = {
+    "foreign-session": "another session holds control",
+    "held": "asks for control that another one holds",
+    "no-successor": "hands control over to one that does not wait for it",
+    "old-seq": "not newer than the last: replayed or overtaken",
+    "stale": "built on a state that is too old",
+    "no-echo": "built on no state of this robot",
+    "foreign-echo": "built on a state of another start of this robot",
+    "stopped": "the robot is stopped and was not acknowledged",
+    "too-fast": "faster than safety.max_speed",
+    "flood": "more at once than are looked at",
+}
+
+
+class Announcer:
+    """Looks at a robot's watchdog and intake from time to time; touches neither.
+
+    Args:
+        say: takes a line for people.
+        watchdog, intake: of the robot's node.
+    """
+
+    def __init__(self, say: Callable[[str], None], watchdog: Watchdog, intake: CommandIntake) -> None:
+        self._say, self._watchdog, self._intake = say, watchdog, intake
+        self._lines = RareLines(say)
+        self._next_ns = 0
+        self._holder = 0
+        self._stops = 0
+        self._latched = False
+        self._refused: dict[str, int] = {}
+
+    def look(self, now_ns: int) -> None:
+        """Say what is new since the last look, if it is time for one."""
+        if now_ns < self._next_ns:
+            return
+        self._next_ns = now_ns + to_ns(LOOK_EVERY)
+        watchdog = self._watchdog
+        lease = watchdog.lease
+        if lease.holder != self._holder:
+            self._holder = lease.holder
+            holder = f"{lease.holder_name}, session {lease.holder:x}," if lease.holder else "nobody"
+            self._say(f"{holder} has control{self._why_free()}")
+        if watchdog.stops != self._stops:
+            self._stops, self._latched = watchdog.stops, True
+            stop = next((c for c in reversed(watchdog.changes) if c.mode in ("stopped", "estop")), None)
+            self._say(f"stop: {stop.reason}" if stop is not None else "stop")
+        if self._latched and not watchdog.latched:
+            self._latched = False
+            self._say("acknowledged: may move again")
+        refused = self._intake.refused()
+        for reason, count in refused.items():
+            new = count - self._refused.get(reason, 0)
+            if new:
+                self._lines.note(reason, self._refusal(reason), now_ns, new)
+        self._refused = refused
+        self._lines.tick(now_ns)
+
+    def _why_free(self) -> str:
+        lease = self._watchdog.lease
+        why = {"released": "it was released", "silent": "its holder fell silent"}.get(lease.end, "")
+        return f": {why}" if why and not lease.holder else ""
+
+    def _refusal(self, reason: str) -> str:
+        newest = self._intake.newest_refused
+        if reason not in _MEANINGS or newest is None:
+            return f"refused a command: {reason}"
+        return f"refused a command of {newest[0]!r}, session {newest[1]:x}: {_MEANINGS[reason]}"
