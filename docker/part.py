@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROLES = ("netem", "robot", "operator")
 DRIVEN, ENDED = "driven", "ended"
-LEFTOVERS = (DRIVEN, ENDED, "operator.json", "netem.json", "robot.json", "run.mcap", "summary.json")
+RESULTS = ("operator.json", "netem.json", "robot.json", "run.mcap", "run.png", "run.pdf", "summary.json")
 LOOK_EVERY = 0.2
 """How often the files are looked for (s)."""
 PATIENCE = 8.0
@@ -159,7 +159,7 @@ class Part:
         if not self.folder.exists():
             self.folder.mkdir(parents=True)
             self.folder.chmod(0o2775)  # netem may be root, of the others' group
-        for stale in (*LEFTOVERS, *(f"alive.{role}" for role in ROLES)):
+        for stale in (DRIVEN, ENDED, *RESULTS, *(f"alive.{role}" for role in ROLES)):
             (self.folder / stale).unlink(missing_ok=True)
 
     def drive(self, peers: Peers) -> int:

@@ -90,7 +90,7 @@ class FakePart(part.Part):
         return subprocess.Popen([sys.executable, "-c", self.scripts[arguments[0]]])
 
 
-FOREVER = "import signal; signal.pause()"
+FOREVER = "import signal; signal.alarm(5); signal.pause()"  # long enough to be told
 OBEYS = "import signal, sys; signal.signal(15, lambda *_: sys.exit(0)); signal.pause()"
 
 
@@ -174,7 +174,7 @@ def test_a_silent_container_ends_the_run_and_is_named(tmp_path, monkeypatch):
 
 def test_without_an_operator_the_others_end_at_once(tmp_path, monkeypatch):
     monkeypatch.setattr(part, "SILENCE", 0.1)
-    monkeypatch.setattr(part, "SUMMARY_PATIENCE", 1e6)
+    monkeypatch.setattr(part, "SUMMARY_PATIENCE", 2.0)
     (tmp_path / "alive.operator").touch()
     netem = FakePart("netem", tmp_path, {"netem": OBEYS})
     netem.clear = lambda: None
