@@ -7,9 +7,12 @@ import sys
 
 import pytest
 
+from common.errors import InputError
+from common.scenario import load_scenario
 from farhand.faults.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, Hosts, why_not
 from farhand.kernel import user_mode_linux
 from farhand.kernel.compare import why_no_kernel
+from farhand.kernel.drive import drive
 
 pytestmark = [
     pytest.mark.hosts,
@@ -72,6 +75,19 @@ def test_what_was_left_behind_is_gone_and_so_is_the_emulation_at_the_end(found):
     )
     assert found["code"] == 0
     assert [each["dropped"] > 0 for each in found["counted"]] == [True, False]
+
+
+def test_a_drive_over_messages_is_measured_on_any_kernel(tmp_path):
+    scenario = load_scenario("point-obstacle")
+    found = drive(scenario, "constant:30 loss:5%", "message", tmp_path, seed=1, time_limit=2.0, packets=50)
+    assert found.packets is not None
+    assert found.packets["p50"] < 0.030  # the messages alone are delayed
+    assert 0.060 <= found.rtt["p50"] <= found.rtt["p99"], found
+    assert found.drawn == pytest.approx(0.030)
+    assert 0.0 < found.lost < 0.2
+    assert not found.finished
+    with pytest.raises(InputError, match=r"netem did not start: network .*gausian"):
+        drive(scenario, "gausian:1,1", "message", tmp_path, seed=1, time_limit=2.0, packets=0)
 
 
 def test_without_net_admin_it_is_refused_in_one_line():
