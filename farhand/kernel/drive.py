@@ -126,6 +126,7 @@ def _start_netem(
     hosts: Hosts, clock: SystemClock, folder: Path, spec: str, backend: str, seed: int
 ) -> subprocess.Popen[str]:
     ready, log = folder / "ready", folder / "netem.log"
+    ready.unlink(missing_ok=True)  # of an earlier drive
     words = ["--network", spec, "--seed", str(seed), "--backend", backend, "--insecure"]
     words += [
         "--listen-operator",
