@@ -34,7 +34,7 @@ class Drive(msgspec.Struct, frozen=True, kw_only=True):
         packets: what single packets suffered before the drive, both directions (see Seen.summary); None: not sent.
         drawn, achieved: mean delay of a message in the emulator, both directions; None with the kernel.
         lost: fraction of what was lost, of messages (message) or packets (tc), counted by who lost it.
-        rtt: mean, std, p50, p99 of the round trips that the operator measured.
+        rtt: round trips that the operator measured: mean and std of all, p50 and p99 of the newest at each tick.
         clearance: the least (m).
         duration: of the drive.
         refused: commands that the robot refused.
@@ -126,7 +126,7 @@ def _start_netem(
     hosts: Hosts, clock: SystemClock, folder: Path, spec: str, backend: str, seed: int
 ) -> subprocess.Popen[str]:
     ready, log = folder / "ready", folder / "netem.log"
-    ready.unlink(missing_ok=True)  # of an earlier drive
+    ready.unlink(missing_ok=True)
     words = ["--network", spec, "--seed", str(seed), "--backend", backend, "--insecure"]
     words += [
         "--listen-operator",
