@@ -9,7 +9,7 @@ demo: .venv
 	@.venv/bin/farhand demo $(ARGS)
 
 test: .venv
-	@.venv/bin/python -m pytest $(ARGS)
+	@sh scripts/run-tests.sh $(ARGS)
 
 check: .venv
 	@.venv/bin/ruff check .
