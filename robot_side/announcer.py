@@ -71,7 +71,8 @@ class Announcer:
         return f": {why}" if why and not lease.holder else ""
 
     def _refusal(self, reason: str) -> str:
-        newest = self._intake.newest_refused
-        if reason not in _MEANINGS or newest is None:
-            return f"refused a command: {reason}"
-        return f"refused a command of {newest[0]!r}, session {newest[1]:x}: {_MEANINGS[reason]}"
+        newest = self._watchdog.newest_refused.get(reason)
+        meaning = _MEANINGS.get(reason, reason)
+        if newest is None:  # nobody knows whose: it was not read
+            return f"refused a command: {meaning}"
+        return f"refused a command of {newest[0]!r}, session {newest[1]:x}: {meaning}"

@@ -24,7 +24,6 @@ class CommandIntake:
         newest: the newest command of the session in control, for the echo.
         arrived: messages under the key, whatever became of them.
         received: those of them that could be decoded.
-        newest_refused: source and session of the newest that was refused, for people.
     """
 
     def __init__(self, name: str, watchdog: Watchdog) -> None:
@@ -35,7 +34,6 @@ class CommandIntake:
         self.newest = Newest()
         self.arrived = 0
         self.received = 0
-        self.newest_refused: tuple[str, int] | None = None
 
     def take(self, packets: Sequence[Packet], now_ns: int) -> None:
         """Judge what has arrived, in order; of a flood only the newest are looked at, the rest counted."""
@@ -50,8 +48,7 @@ class CommandIntake:
             if command is None:
                 continue
             self.received += 1
-            if not self._watchdog.receive(command, now_ns):
-                self.newest_refused = command.source, command.session
+            self._watchdog.receive(command, now_ns)
             if self._watchdog.in_control(command):
                 self.newest.accept(command, min(packet.arrived_ns or now_ns, now_ns))
 

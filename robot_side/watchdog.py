@@ -46,6 +46,7 @@ class Watchdog:
     Attributes:
         mode, reason: the state and why it was entered.
         refused: commands refused, by reason.
+        newest_refused: name and session of the newest of them, by reason, for people.
         stops: entries into a latched stop.
         holds: times that RUN became HOLD because commands stayed away.
         changes: the last mode changes.
@@ -65,6 +66,7 @@ class Watchdog:
         self.mode: SafetyMode = "hold"
         self.reason = "waiting for an operator"
         self.refused: Counter[str] = Counter()
+        self.newest_refused: dict[str, tuple[str, int]] = {}
         self.stops = 0
         self.holds = 0
         self.changes: deque[ModeChange] = deque(maxlen=REMEMBERED_CHANGES)
@@ -101,6 +103,7 @@ class Watchdog:
         refusal = self._judge(command, now_ns)
         if refusal:
             self.refused[refusal] += 1
+            self.newest_refused[refusal] = command.source, command.session
             return False
         self._obey(command, now_ns)
         return True

@@ -67,6 +67,14 @@ def test_an_intruder_is_named_once_and_then_counted(rig):
     assert [line for line in rig.said if "'eve'" in line] == [first, f"{first} (349 more)"]
 
 
+def test_each_refusal_names_its_own_sender(rig):
+    rig.send(ALICE, 1, source="alice")  # old
+    rig.send(EVE, 1, source="eve")
+    lines = rig.let(300)
+    assert [line for line in lines if "'alice'" in line and "not newer" in line]
+    assert [line for line in lines if "'eve'" in line and "another session" in line]
+
+
 def test_garbage_is_named_by_its_kind(rig):
     rig.intake.take([Packet(command_key("r"), b"\xc1garbage")], rig.now_ns)
     assert rig.let(300) == ["refused a command: malformed"]
