@@ -21,7 +21,7 @@ bench: .venv
 	@.venv/bin/python -m benchmarks $(ARGS)
 
 faults: .venv
-	@.venv/bin/python -m farhand.faults.runner $(ARGS)
+	@.venv/bin/python -m farhand.trials.faults.runner $(ARGS)
 
 .venv: .venv/.ready
 

@@ -14,9 +14,12 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from common.clock import processor_seconds
-from common.codec import Decoder, encode
-from common.messages import Echo, Message, Obstacle, RobotState, Scene, VelocityCommand
+from farhand.common.messages.base import Echo, Message
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.scene import Obstacle, Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.timing.clock import processor_seconds
 
 REPEATS, BATCH = 60, 500
 

@@ -21,10 +21,10 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from common.clock import SystemClock
-from common.ports import free_ports
-from common.zenoh_link import open_session
-from netem.check import CheckSettings, run_check, start_proxy, stop_proxy
+from farhand.common.link.ports import free_ports
+from farhand.common.link.zenoh_link import open_session
+from farhand.common.timing.clock import SystemClock
+from farhand.netem.check.check import CheckSettings, run_check, start_proxy, stop_proxy
 
 TARGET_P99 = 2e-3
 RATES = {300: (500, 1000, 2000, 3000, 4000, 6000), 30_000: (100, 250, 500, 1000, 1500, 2000)}

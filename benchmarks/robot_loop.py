@@ -14,15 +14,16 @@ import msgspec
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from common.clock import SystemClock, processor_seconds
-from common.codec import encode
-from common.executor import RealtimeExecutor
-from common.keys import command_key
-from common.link import Packet, memory_wire
-from common.messages import Echo, VelocityCommand
-from common.scenario import Scenario, load_scenario
-from robot_side.registry import make_robot
-from robot_side.robot_node import RobotNode
+from farhand.common.link.link import Packet, memory_wire
+from farhand.common.messages.base import Echo
+from farhand.common.messages.codec import encode
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.keys import command_key
+from farhand.common.scenario import Scenario, load_scenario
+from farhand.common.timing.clock import SystemClock, processor_seconds
+from farhand.common.timing.executor import RealtimeExecutor
+from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.registry import make_robot
 
 SESSION = 1
 RATE_HZ = 500.0

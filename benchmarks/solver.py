@@ -20,11 +20,11 @@ import numpy as np
 from msgspec import structs
 
 from benchmarks.solver_instances import SETTINGS, closed_loop
-from common.clock import SystemClock, processor_seconds, to_ns
-from operator_side.control.controller import Controller, ControlProblem, Status
-from operator_side.control.ipopt import IpoptController
-from operator_side.control.newton import NewtonController
-from operator_side.control.sqp import SqpController
+from farhand.common.timing.clock import SystemClock, processor_seconds, to_ns
+from farhand.operator_side.control.controller import Controller, ControlProblem, Status
+from farhand.operator_side.control.ipopt import IpoptController
+from farhand.operator_side.control.newton import NewtonController
+from farhand.operator_side.control.sqp import SqpController
 
 COUNTS = (1, 10, 100)
 TICKS = 600
@@ -33,10 +33,10 @@ IDLE_TICKS = 100
 PATIENT = structs.replace(SETTINGS, wall_time_limit=10.0)
 
 FIRST_CALL = """
-from common.clock import processor_seconds
+from farhand.common.timing.clock import processor_seconds
 start = processor_seconds()
-from common.scenario import ControllerSettings
-from operator_side.control.registry import make_controller
+from farhand.common.scenario import ControllerSettings
+from farhand.operator_side.control.registry import make_controller
 make_controller(ControllerSettings()).prepare()
 print(processor_seconds() - start)
 """

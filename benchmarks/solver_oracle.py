@@ -15,11 +15,11 @@ import casadi
 import numpy as np
 
 from benchmarks.solver_instances import SETTINGS, closed_loop, random_problems
-from operator_side.control import rows
-from operator_side.control.controller import ControlProblem, ControlSolution, Status
-from operator_side.control.problem import parameter_values, state_problem
-from operator_side.control.registry import make_controller
-from operator_side.control.tracking import tracking_cost
+from farhand.operator_side.control import barrier as rows
+from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status
+from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.control.statement import parameter_values, state_problem
+from farhand.operator_side.control.tracking import tracking_cost
 
 COST_AGREES = 1e-3  # relative
 VELOCITY_AGREES = 5e-3  # m/s

@@ -17,10 +17,10 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from common.clock import processor_seconds
-from common.scenario import Scenario, load_scenario
-from farhand.experiments.tasks import make_task
-from farhand.simulation import simulate
+from farhand.common.scenario import Scenario, load_scenario
+from farhand.common.timing.clock import processor_seconds
+from farhand.laboratory.campaigns.tasks import make_task
+from farhand.laboratory.simulation import simulate
 
 NETWORK = "uniform:50,200"
 TARGETS = {"point-obstacle": 100.0, "box-obstacle": 100.0, "ur5-obstacle": 8.0}

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from common.messages import Vector3
+from farhand.common.messages.base import Vector3
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -12,9 +12,10 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta, Struct
 
-from common.errors import ScenarioError
-from common.geometry import distance
-from common.messages import MAX_OBSTACLES, MAX_TARGETS, NonNegative, Obstacle, Positive, Real, Vector3
+from farhand.common.errors import ScenarioError
+from farhand.common.geometry import distance
+from farhand.common.messages.base import NonNegative, Positive, Real, Vector3
+from farhand.common.messages.scene import MAX_OBSTACLES, MAX_TARGETS, Obstacle
 
 if sys.version_info >= (3, 11):
     import tomllib

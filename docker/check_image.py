@@ -6,12 +6,12 @@ from importlib import import_module
 
 import msgspec
 
-from common.scenario import ControllerSettings, load_scenario
 from farhand.cli import run
-from operator_side.control.registry import make_controller
-from robot_side.registry import make_robot
+from farhand.common.scenario import ControllerSettings, load_scenario
+from farhand.operator_side.control.registry import make_controller
+from farhand.robot_side.robots.registry import make_robot
 
-PACKAGES = ("common", "operator_side", "netem", "robot_side", "farhand")
+PACKAGES = ("farhand",)
 NOT_FOR_CONTAINERS = ("farhand.__main__", "farhand.pytest_plugin")
 ON_DEMAND = ("scipy.stats", "scipy.optimize", "pygments.lexers.python")
 """What is imported only when it is used."""

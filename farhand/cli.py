@@ -4,14 +4,14 @@ import sys
 
 import typer
 
-from common.errors import FarhandError, InputError
-from farhand.certs_commands import certs_app
-from farhand.experiment_commands import register as register_experiments
-from farhand.netem_commands import netem_app
-from farhand.process import die_with_parent
-from farhand.program_commands import register as register_programs
-from farhand.run_commands import register as register_runs
-from farhand.trace_commands import trace_app
+from farhand.commands.certs import certs_app
+from farhand.commands.laboratory import register as register_experiments
+from farhand.commands.netem import netem_app
+from farhand.commands.programs import register as register_programs
+from farhand.commands.runs import register as register_runs
+from farhand.commands.traces import trace_app
+from farhand.common.errors import FarhandError, InputError
+from farhand.common.process.signals import die_with_parent
 
 app = typer.Typer(
     name="farhand",

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from common.scenario import Scenario
-    from farhand.simulation import SimulationResult
-    from farhand.summary import RunSummary
-    from operator_side.control.controller import Controller
-    from robot_side.robot import Robot
+    from farhand.common.scenario import Scenario
+    from farhand.laboratory.simulation import SimulationResult
+    from farhand.operator_side.control.controller import Controller
+    from farhand.robot_side.robots.robot import Robot
+    from farhand.runs.summary import RunSummary
 
 KEYWORDS = (
     "scenario",
@@ -124,7 +124,7 @@ class Farhand:
             controller, robot: under test, fresh; None takes the scenario's.
             seed: in place of the marker's.
         """
-        from farhand.simulation import simulate
+        from farhand.laboratory.simulation import simulate
 
         chosen = self._settings
         up = chosen.uplink if chosen.uplink is not None else chosen.network
@@ -165,7 +165,7 @@ def farhand(request: pytest.FixtureRequest) -> Farhand:
         if word not in KEYWORDS:
             known = ", ".join(KEYWORDS)
             pytest.fail(f"@pytest.mark.farhand: {word!r} is none of {known}", pytrace=False)
-    from common.errors import InputError
+    from farhand.common.errors import InputError
 
     try:
         return Farhand(Settings(**words))
@@ -174,8 +174,8 @@ def farhand(request: pytest.FixtureRequest) -> Farhand:
 
 
 def _scenario(settings: Settings) -> Scenario:
-    from common.scenario import load_scenario, replace_setting
-    from netem.spec import parse_spec
+    from farhand.common.scenario import load_scenario, replace_setting
+    from farhand.netem.spec import parse_spec
 
     for spec in (settings.network, settings.uplink, settings.downlink):
         if spec is not None:

@@ -5,11 +5,11 @@ from typing import Literal
 
 import msgspec
 
-from common.clock import to_ns
-from common.errors import InputError
-from common.keys import check_robot_name
-from netem.netem_node import DIRECTIONS, NetemNode
-from netem.spec import CLASSES, KINDS, Spec, parse_spec
+from farhand.common.errors import InputError
+from farhand.common.messages.keys import check_robot_name
+from farhand.common.timing.clock import to_ns
+from farhand.netem.netem_node import DIRECTIONS, NetemNode
+from farhand.netem.spec import CLASSES, KINDS, Spec, parse_spec
 
 Do = Literal["set", "add", "remove", "outage", "reset", "common"]
 MAX_OUTAGE = 1e6

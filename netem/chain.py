@@ -6,12 +6,12 @@ OUTAGE, LOSS, (or both as TCP), DUPLICATE, CORRUPT, RATE, DELAY, REORDER, SLOT, 
 from collections.abc import Hashable, Sequence
 from typing import cast
 
-from common.keys import kind_of, robot_of
-from common.link import Packet
-from netem.impairments.base import Context, Flow, Impairment, LossModel, Scope, Stage, Transit, Word
-from netem.impairments.outage import OutageStage, Windows
-from netem.impairments.tcp_like import Connection, TcpLike
-from netem.spec import CLASSES, Spec
+from farhand.common.link.link import Packet
+from farhand.common.messages.keys import kind_of, robot_of
+from farhand.netem.impairments.base import Context, Flow, Impairment, LossModel, Scope, Stage, Transit, Word
+from farhand.netem.impairments.outage import OutageStage, Windows
+from farhand.netem.impairments.tcp_like import Connection, TcpLike
+from farhand.netem.spec import CLASSES, Spec
 
 MAX_FLOWS = 1024
 _Built = dict[Hashable, Impairment]

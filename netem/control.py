@@ -9,12 +9,12 @@ from typing import Any
 
 import msgspec
 
-from common.errors import EndpointError, FarhandError, InputError
-from common.requests import MAX_REQUEST, Requests
-from common.requests import ask as ask_program
-from common.zenoh_link import check_endpoint, is_loopback, open_session
-from netem.action import Action
-from netem.netem_node import NetemNode
+from farhand.common.errors import EndpointError, FarhandError, InputError
+from farhand.common.link.requests import MAX_REQUEST, Requests
+from farhand.common.link.requests import ask as ask_program
+from farhand.common.link.zenoh_link import check_endpoint, is_loopback, open_session
+from farhand.netem.action import Action
+from farhand.netem.netem_node import NetemNode
 
 KEY = "farhand/netem/control"
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7449"

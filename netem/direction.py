@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping
 
-from common.errors import InputError
-from common.keys import robot_of
-from common.link import Link
-from netem.chain import Chain
-from netem.release_queue import Limits, ReleaseQueue
-from netem.round_trips import MAX_ROBOTS
-from netem.spec import Spec
-from netem.statistics import FlowStatistics
+from farhand.common.errors import InputError
+from farhand.common.link.link import Link
+from farhand.common.messages.keys import robot_of
+from farhand.netem.chain import Chain
+from farhand.netem.measure.round_trips import MAX_ROBOTS
+from farhand.netem.measure.statistics import FlowStatistics
+from farhand.netem.release_queue import Limits, ReleaseQueue
+from farhand.netem.spec import Spec
 
 
 class Direction:

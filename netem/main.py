@@ -12,21 +12,21 @@ from typing import Any
 import msgspec
 from rich.console import Console
 
-from common.clock import SystemClock
-from common.errors import FarhandError, InputError
-from common.executor import RealtimeExecutor
-from common.keys import about_key, alive_key
-from common.presence import answerer
-from common.tls import load_folder, watch_names
-from netem.control import ControlServer, control_endpoint
-from netem.message_log import CsvLog
-from netem.metrics import MetricsServer
-from netem.netem_node import ConservationError, NetemNode
-from netem.proxy import Proxy
-from netem.report import print_statistics
-from netem.settings import NetemSettings as NetemSettings
-from netem.spec import parse_spec
-from netem.timeline import load_timeline
+from farhand.common.errors import FarhandError, InputError
+from farhand.common.link.presence import answerer
+from farhand.common.messages.keys import about_key, alive_key
+from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.executor import RealtimeExecutor
+from farhand.common.trust.tls import load_folder, watch_names
+from farhand.netem.control import ControlServer, control_endpoint
+from farhand.netem.measure.message_log import CsvLog
+from farhand.netem.measure.metrics import MetricsServer
+from farhand.netem.measure.report import print_statistics
+from farhand.netem.netem_node import ConservationError, NetemNode
+from farhand.netem.proxy import Proxy
+from farhand.netem.settings import NetemSettings as NetemSettings
+from farhand.netem.spec import parse_spec
+from farhand.netem.timeline import load_timeline
 
 HOUSEKEEPING_NS = 50_000_000
 SWITCH_INTERVAL = 0.0002
@@ -204,7 +204,7 @@ def stop_on_signals() -> threading.Event:
 
 
 def main() -> int:
-    """`python -m netem.main SETTINGS` with settings as JSON: the emulator as a process of its own."""
+    """`python -m farhand.netem.main SETTINGS` with settings as JSON: the emulator as a process of its own."""
     try:
         settings = msgspec.json.decode(sys.argv[1].encode(), type=NetemSettings)
         run_netem(settings, stop_on_signals())

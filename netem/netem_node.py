@@ -8,15 +8,15 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from common.errors import FarhandError
-from common.keys import kind_of
-from common.link import Link, Packet
-from netem.direction import Direction
-from netem.impairments.base import Transit
-from netem.release_queue import Limits
-from netem.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
-from netem.spec import Spec
-from netem.statistics import FlowStatistics, Histogram
+from farhand.common.errors import FarhandError
+from farhand.common.link.link import Link, Packet
+from farhand.common.messages.keys import kind_of
+from farhand.netem.direction import Direction
+from farhand.netem.impairments.base import Transit
+from farhand.netem.measure.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
+from farhand.netem.measure.statistics import FlowStatistics, Histogram
+from farhand.netem.release_queue import Limits
+from farhand.netem.spec import Spec
 
 DIRECTIONS = ("uplink", "downlink")
 RETRANSMISSION_NS = 200_000_000
@@ -35,7 +35,7 @@ class MessageLog(Protocol):
 
 
 class Schedule(Protocol):
-    """Changes the network at given times (see netem.timeline)."""
+    """Changes the network at given times (see farhand.netem.timeline)."""
 
     def start(self, origin_ns: int) -> None:
         """Set the instant of the first message."""

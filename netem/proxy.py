@@ -7,9 +7,9 @@ both sides is noticed.
 
 from collections.abc import Callable, Iterable, Sequence
 
-from common.clock import SystemClock
-from common.zenoh_link import open_session
-from netem.zenoh_side import ZenohSide
+from farhand.common.link.zenoh_link import open_session
+from farhand.common.timing.clock import SystemClock
+from farhand.netem.zenoh_side import ZenohSide
 
 
 class Proxy:

@@ -4,7 +4,7 @@ import heapq
 
 import msgspec
 
-from netem.impairments.base import Transit
+from farhand.netem.impairments.base import Transit
 
 
 class Limits(msgspec.Struct, frozen=True):

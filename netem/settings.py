@@ -4,9 +4,9 @@ from typing import Any
 
 import msgspec
 
-from netem.netem_node import DIRECTIONS
-from netem.release_queue import Limits
-from netem.spec import Spec, parse_spec
+from farhand.netem.netem_node import DIRECTIONS
+from farhand.netem.release_queue import Limits
+from farhand.netem.spec import Spec, parse_spec
 
 
 class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):

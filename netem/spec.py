@@ -7,7 +7,7 @@
 
 Delays and times are in ms unless a unit follows (us, ms, s, min); probabilities are 5% or 0.05; rates and
 sizes carry their unit (2mbit, 64kB). The order of the words does not matter: the chain's order is that of
-`netem.impairments.base.Stage`. Within the brackets of a class a word takes the place of the direction's
+`farhand.netem.impairments.base.Stage`. Within the brackets of a class a word takes the place of the direction's
 word of the same kind for messages of that class; `none` there lets the class pass unimpaired.
 """
 
@@ -15,10 +15,10 @@ import difflib
 
 import msgspec
 
-from netem.impairments.base import Word
-from netem.impairments.profile import ModelWord, ProfileWord, profile_names
-from netem.impairments.registry import KINDS, WORDS
-from netem.spec_reader import MAX_TEXT, Reader
+from farhand.netem.impairments.base import Word
+from farhand.netem.impairments.profile import ModelWord, ProfileWord, profile_names
+from farhand.netem.impairments.registry import KINDS, WORDS
+from farhand.netem.words.reader import MAX_TEXT, Reader
 
 CLASSES = ("command", "state", "scene", "camera", "other")
 

@@ -2,7 +2,7 @@
 
 [[at]]
 time = 5.0             # s since the first message
-do = "set"             # set | add | remove | outage | reset | common, see netem.action
+do = "set"             # set | add | remove | outage | reset | common, see farhand.netem.action
 direction = "uplink"   # or "downlink"; without it both
 robot = "arm2"         # the robot whose own network is meant; without it the common one
 spec = "gaussian:80,20 loss:1%"
@@ -18,10 +18,10 @@ from pathlib import Path
 
 import msgspec
 
-from common.clock import to_ns
-from common.errors import InputError
-from netem.action import Action
-from netem.netem_node import NetemNode
+from farhand.common.errors import InputError
+from farhand.common.timing.clock import to_ns
+from farhand.netem.action import Action
+from farhand.netem.netem_node import NetemNode
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -11,9 +11,9 @@ from typing import Any
 
 import zenoh
 
-from common.clock import SystemClock
-from common.keys import PREFIX, kind_of
-from common.link import Inbox, Packet
+from farhand.common.link.link import Inbox, Packet
+from farhand.common.messages.keys import PREFIX, kind_of
+from farhand.common.timing.clock import SystemClock
 
 EVERYTHING = "**"
 INBOX_LIMIT = 100_000

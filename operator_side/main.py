@@ -4,13 +4,13 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from common.clock import SystemClock, to_ns, to_seconds
-from common.codec import encode
-from common.executor import RealtimeExecutor
-from common.keys import report_key
-from common.link import Link, Packet
-from common.messages import ControlReport
-from operator_side.operator_node import OperatorNode
+from farhand.common.link.link import Link, Packet
+from farhand.common.messages.codec import encode
+from farhand.common.messages.keys import report_key
+from farhand.common.messages.report import ControlReport
+from farhand.common.timing.clock import SystemClock, to_ns, to_seconds
+from farhand.common.timing.executor import RealtimeExecutor
+from farhand.operator_side.operator_node import OperatorNode
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,24 +9,28 @@ link -> perception (newest state, scene) -> round trip, innovations
 from collections.abc import Callable
 from typing import Protocol
 
-from common.clock import to_ns
-from common.codec import encode
-from common.executor import Periodic
-from common.geometry import norm, to_vector3
-from common.keys import command_key
-from common.link import Link, Packet
-from common.messages import CommandMode, ControlReport, RobotState, Scene, Vector3, VelocityCommand
-from common.scenario import Scenario
-from operator_side.command_history import ZERO, CommandHistory
-from operator_side.control.controller import Controller
-from operator_side.filtering import Filtered, SafetyFilter
-from operator_side.margin import Margin, MarginInput, make_margin
-from operator_side.perception import Perception
-from operator_side.reporting import ReportWriter
-from operator_side.round_trip import RoundTrip
-from operator_side.state_predictor import Innovations, Prediction, make_predictor
-from operator_side.steering.device import SteeringDevice, SteeringInput
-from operator_side.supervision import Supervision
+from farhand.common.geometry import norm, to_vector3
+from farhand.common.link.link import Link, Packet
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.codec import encode
+from farhand.common.messages.command import CommandMode, VelocityCommand
+from farhand.common.messages.keys import command_key
+from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.scenario import Scenario
+from farhand.common.timing.clock import to_ns
+from farhand.common.timing.executor import Periodic
+from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.margins.margin import Margin, MarginInput, make_margin
+from farhand.operator_side.perception import Perception
+from farhand.operator_side.prediction.command_history import ZERO, CommandHistory
+from farhand.operator_side.prediction.state_predictor import Innovations, Prediction, make_predictor
+from farhand.operator_side.reporting import ReportWriter
+from farhand.operator_side.round_trip import RoundTrip
+from farhand.operator_side.safety_filter import Filtered, SafetyFilter
+from farhand.operator_side.steering.device import SteeringDevice, SteeringInput
+from farhand.operator_side.supervision import Supervision
 
 STALE_STATE = "no news from the robot: resynchronising"
 

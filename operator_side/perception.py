@@ -2,11 +2,12 @@
 
 from collections import deque
 
-from common.codec import Decoder
-from common.echo import Newest
-from common.keys import scene_key, state_key
-from common.link import Packet
-from common.messages import RobotState, Scene
+from farhand.common.link.link import Packet
+from farhand.common.messages.codec import Decoder
+from farhand.common.messages.echo import Newest
+from farhand.common.messages.keys import scene_key, state_key
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
 
 RATE_WINDOW = 50
 

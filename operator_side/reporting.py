@@ -1,11 +1,13 @@
 """Writes the report of a tick: the one message that live status, console and recorder read."""
 
-from common.messages import CommandMode, ControlReport, Vector3
-from operator_side.filtering import Filtered
-from operator_side.margin import Margin
-from operator_side.perception import Perception
-from operator_side.round_trip import RoundTrip
-from operator_side.state_predictor import Prediction
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.command import CommandMode
+from farhand.common.messages.report import ControlReport
+from farhand.operator_side.margins.margin import Margin
+from farhand.operator_side.perception import Perception
+from farhand.operator_side.prediction.state_predictor import Prediction
+from farhand.operator_side.round_trip import RoundTrip
+from farhand.operator_side.safety_filter import Filtered
 
 
 class ReportWriter:

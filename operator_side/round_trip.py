@@ -7,7 +7,7 @@ tick, the solving time is part of it, as in the paper (arXiv 2403.18650).
 import math
 from collections import deque
 
-from common.messages import RobotState
+from farhand.common.messages.state import RobotState
 
 LOSS_WINDOW = 200
 LOSS_SETTLE = 50

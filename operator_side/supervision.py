@@ -21,8 +21,10 @@ taken only if a person decides it.
 
 from dataclasses import dataclass
 
-from common.messages import CommandMode, RobotState, Scene
-from operator_side.steering.device import SteeringInput
+from farhand.common.messages.command import CommandMode
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
+from farhand.operator_side.steering.device import SteeringInput
 
 ASK_PERIOD_NS = 1_000_000_000
 

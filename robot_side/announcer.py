@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from common.clock import to_ns
-from common.rare_lines import RareLines
-from robot_side.command_intake import CommandIntake
-from robot_side.watchdog import Watchdog
+from farhand.common.timing.clock import to_ns
+from farhand.common.trust.rare_lines import RareLines
+from farhand.robot_side.safety.command_intake import CommandIntake
+from farhand.robot_side.safety.watchdog import Watchdog
 
 LOOK_EVERY = 0.25
 _MEANINGS = {

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from common.clock import SystemClock
-from common.executor import RealtimeExecutor
-from common.link import Link
-from common.scenario import Scenario
-from robot_side.announcer import Announcer
-from robot_side.registry import make_robot
-from robot_side.robot_node import RobotNode
+from farhand.common.link.link import Link
+from farhand.common.scenario import Scenario
+from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.executor import RealtimeExecutor
+from farhand.robot_side.announcer import Announcer
+from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.registry import make_robot
 
 
 class _UntilStopped:

@@ -13,18 +13,19 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from common.codec import encode
-from common.executor import Periodic
-from common.keys import scene_key, state_key
-from common.link import Link, Packet
-from common.messages import Obstacle, RobotState, Scene
-from common.scenario import Scenario
-from robot_side.command_intake import CommandIntake
-from robot_side.obstacles import NOTHING_NEAR, ObstacleField
-from robot_side.plan import ZERO
-from robot_side.robot import Robot, RobotSample
-from robot_side.run_statistics import RunStatistics
-from robot_side.watchdog import Watchdog
+from farhand.common.link.link import Link, Packet
+from farhand.common.messages.codec import encode
+from farhand.common.messages.keys import scene_key, state_key
+from farhand.common.messages.scene import Obstacle, Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.scenario import Scenario
+from farhand.common.timing.executor import Periodic
+from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
+from farhand.robot_side.robots.robot import Robot, RobotSample
+from farhand.robot_side.run_statistics import RunStatistics
+from farhand.robot_side.safety.command_intake import CommandIntake
+from farhand.robot_side.safety.plan import ZERO
+from farhand.robot_side.safety.watchdog import Watchdog
 
 SECOND_NS = 1_000_000_000
 CATCH_UP_NS = 100_000_000  # physics makes good for at most this much lost time a tick

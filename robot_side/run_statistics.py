@@ -2,8 +2,8 @@
 
 import math
 
-from common.messages import Vector3
-from robot_side.obstacles import NOTHING_NEAR
+from farhand.common.messages.base import Vector3
+from farhand.robot_side.obstacle_field import NOTHING_NEAR
 
 TRAJECTORY_RATE_HZ = 50.0
 TRAJECTORY_LIMIT = 1_000_000

@@ -27,6 +27,6 @@ if [ -x .venv/bin/python ] && ! suits .venv/bin/python; then rm -rf .venv; fi
 echo "farhand: installing the pinned dependencies into .venv (one to three minutes the first time)"
 .venv/bin/python -m pip install -qq --disable-pip-version-check -r requirements.lock
 .venv/bin/python -m pip install -qq --disable-pip-version-check --no-deps -e .
-.venv/bin/python -m operator_side.control.warm | sed "s/^/farhand: /"
+.venv/bin/python -m farhand.operator_side.control.warm | sed "s/^/farhand: /"
 touch .venv/.ready
 echo "farhand: ready, .venv/bin/farhand"

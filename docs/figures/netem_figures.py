@@ -9,9 +9,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from common.link import Packet
-from netem.chain import build_chain
-from netem.spec import parse_spec
+from farhand.common.link.link import Packet
+from farhand.netem.chain import build_chain
+from farhand.netem.spec import parse_spec
 
 HERE = Path(__file__).resolve().parent
 BLUE, ORANGE = "#0072B2", "#D55E00"

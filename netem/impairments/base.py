@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 import msgspec
 import numpy as np
 
-from common.link import Packet
-from common.seeds import stream
+from farhand.common.link.link import Packet
+from farhand.common.seeds import stream
 
 if TYPE_CHECKING:
-    from netem.spec_reader import Reader
+    from farhand.netem.words.reader import Reader
 
 
 class Stage(IntEnum):
@@ -52,7 +52,7 @@ class Flow:
     Attributes:
         key: the key.
         robot: whose key it is; "other" if none of ours.
-        message_class: one of netem.spec.CLASSES.
+        message_class: one of farhand.netem.spec.CLASSES.
         head, tail: what its messages pass, up to where they may be duplicated and from there on.
         copy_tail: the same for copies, whose draws must not shift those of the messages.
         count: messages so far.

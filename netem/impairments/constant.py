@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from common.clock import to_seconds
-from netem.impairments.base import Context
-from netem.impairments.delay import DelayWord, Sampler
-from netem.spec_reader import Reader, milliseconds_text
+from farhand.common.timing.clock import to_seconds
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import DelayWord, Sampler
+from farhand.netem.words.reader import Reader, milliseconds_text
 
 
 class Constant(DelayWord, frozen=True):

@@ -4,10 +4,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from common.link import Packet
-from netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from netem.impairments.loss_random import RandomEvents
-from netem.spec_reader import Reader, percent_text
+from farhand.common.link.link import Packet
+from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.loss_random import RandomEvents
+from farhand.netem.words.reader import Reader, percent_text
 
 
 class Corrupt(Word, frozen=True):

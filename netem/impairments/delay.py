@@ -10,9 +10,9 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from common.clock import to_ns
-from netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from netem.spec_reader import Reader, milliseconds_text, percent_text
+from farhand.common.timing.clock import to_ns
+from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.words.reader import Reader, milliseconds_text, percent_text
 
 _SQRT_HALF = math.sqrt(0.5)
 

@@ -5,9 +5,9 @@ The copy takes the rest of the chain by itself, with a delay of its own.
 
 from typing import ClassVar
 
-from netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from netem.impairments.loss_random import RandomEvents
-from netem.spec_reader import Reader, percent_text
+from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.loss_random import RandomEvents
+from farhand.netem.words.reader import Reader, percent_text
 
 
 class Duplicate(Word, frozen=True):

@@ -6,9 +6,9 @@ mean by 0.04 ms.
 
 from typing import ClassVar
 
-from common.clock import to_seconds
-from netem.impairments.base import Context
-from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
+from farhand.common.timing.clock import to_seconds
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
 
 
 class Gaussian(MeanSdWord, frozen=True):

@@ -6,10 +6,10 @@ mu = ln(mean) - sigma^2 / 2 and sigma^2 = ln(1 + sd^2 / mean^2). tc-netem has no
 import math
 from typing import ClassVar
 
-from common.clock import to_seconds
-from netem.impairments.base import Context
-from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
-from netem.spec_reader import MAX_DELAY_NS, Reader
+from farhand.common.timing.clock import to_seconds
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
+from farhand.netem.words.reader import MAX_DELAY_NS, Reader
 
 
 class LogNormal(MeanSdWord, frozen=True):

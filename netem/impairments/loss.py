@@ -3,12 +3,12 @@
 import math
 from typing import ClassVar
 
-from netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from netem.impairments.delay import Sampler
-from netem.impairments.loss_markov import MarkovLoss
-from netem.impairments.loss_random import RandomEvents, RandomLoss
-from netem.impairments.replay import Options, open_trace, options_text, parse_options
-from netem.spec_reader import Reader, path_text, percent_text
+from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.delay import Sampler
+from farhand.netem.impairments.loss_markov import MarkovLoss
+from farhand.netem.impairments.loss_random import RandomEvents, RandomLoss
+from farhand.netem.impairments.replay import Options, open_trace, options_text, parse_options
+from farhand.netem.words.reader import Reader, path_text, percent_text
 
 
 class LossWord(Word, frozen=True):

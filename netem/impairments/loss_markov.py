@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from common.geometry import Array
-from netem.impairments.base import Context, Transit
+from farhand.common.geometry import Array
+from farhand.netem.impairments.base import Context, Transit
 
 
 class MarkovLoss:

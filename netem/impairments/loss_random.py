@@ -6,8 +6,8 @@ exactly P whatever the correlation; tc-netem's blending changes the rate.
 
 import math
 
-from netem.impairments.base import Context, Transit
-from netem.impairments.delay import CorrelatedNormal, upper_tail
+from farhand.netem.impairments.base import Context, Transit
+from farhand.netem.impairments.delay import CorrelatedNormal, upper_tail
 
 
 class RandomEvents:

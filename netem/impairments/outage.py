@@ -10,8 +10,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from netem.spec_reader import MAX_DURATION_NS, Reader, seconds_text
+from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.words.reader import MAX_DURATION_NS, Reader, seconds_text
 
 Form = Literal["every", "at", "random"]
 FORMS: tuple[Form, ...] = ("every", "at", "random")

@@ -8,9 +8,9 @@ MEAN - SD / sqrt(3).
 import math
 from typing import ClassVar
 
-from common.clock import to_seconds
-from netem.impairments.base import Context
-from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
+from farhand.common.timing.clock import to_seconds
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
 
 SHAPE = 3.0
 _MEAN = SHAPE / (SHAPE - 1)

@@ -7,10 +7,10 @@ asked for (tc: `delay 50ms 20ms distribution paretonormal`).
 import math
 from typing import ClassVar
 
-from common.clock import to_seconds
-from netem.impairments.base import Context
-from netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
-from netem.impairments.pareto import standard_pareto
+from farhand.common.timing.clock import to_seconds
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
+from farhand.netem.impairments.pareto import standard_pareto
 
 _SCALE = 1 / math.hypot(0.25, 0.75)
 NORMAL_PART, PARETO_PART = 0.25 * _SCALE, 0.75 * _SCALE

@@ -3,10 +3,10 @@
 from functools import lru_cache
 from typing import ClassVar
 
-from netem.impairments.base import Context
-from netem.impairments.delay import DelayWord, Sampler
-from netem.profiles import PROFILES, Profile, load_model
-from netem.spec_reader import Reader, path_text
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import DelayWord, Sampler
+from farhand.netem.models.profiles import PROFILES, Profile, load_model
+from farhand.netem.words.reader import Reader, path_text
 
 
 def profile_names() -> tuple[str, ...]:
@@ -18,7 +18,7 @@ class ProfileWord(DelayWord, frozen=True):
     """A built-in profile.
 
     Attributes:
-        name: in netem.profiles.PROFILES.
+        name: in farhand.netem.models.profiles.PROFILES.
     """
 
     name: str

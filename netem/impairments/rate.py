@@ -7,9 +7,9 @@ All messages of a direction share one queue, first in, first out: a camera can s
 
 from typing import ClassVar
 
-from netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from netem.impairments.rate_by_trace import RateByTrace
-from netem.spec_reader import DEFAULT_QUEUE, Reader, number_text
+from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.impairments.rate_by_trace import RateByTrace
+from farhand.netem.words.reader import DEFAULT_QUEUE, Reader, number_text
 
 
 class Rate(Word, frozen=True):

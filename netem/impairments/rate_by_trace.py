@@ -7,9 +7,9 @@ from collections import deque
 from functools import lru_cache
 from typing import ClassVar
 
-from netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from netem.spec_reader import DEFAULT_QUEUE, Reader, path_text
-from netem.trace_rate import DeliverySchedule, RateTrace, load_rate_trace
+from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.recordings.rate import DeliverySchedule, RateTrace, load_rate_trace
+from farhand.netem.words.reader import DEFAULT_QUEUE, Reader, path_text
 
 
 class RateByTrace(Word, frozen=True):

@@ -1,21 +1,21 @@
 """The words of a SPEC. A new impairment is one file and one line here."""
 
-from netem.impairments.base import Word
-from netem.impairments.constant import Constant
-from netem.impairments.corrupt import Corrupt
-from netem.impairments.duplicate import Duplicate
-from netem.impairments.gaussian import Gaussian
-from netem.impairments.lognormal import LogNormal
-from netem.impairments.loss import LossWord
-from netem.impairments.outage import Outage
-from netem.impairments.pareto import Pareto
-from netem.impairments.paretonormal import ParetoNormal
-from netem.impairments.rate import Rate
-from netem.impairments.reorder import Reorder
-from netem.impairments.replay import Empirical, Replay
-from netem.impairments.slot import Slot
-from netem.impairments.tcp_like import TcpLike
-from netem.impairments.uniform import Uniform
+from farhand.netem.impairments.base import Word
+from farhand.netem.impairments.constant import Constant
+from farhand.netem.impairments.corrupt import Corrupt
+from farhand.netem.impairments.duplicate import Duplicate
+from farhand.netem.impairments.gaussian import Gaussian
+from farhand.netem.impairments.lognormal import LogNormal
+from farhand.netem.impairments.loss import LossWord
+from farhand.netem.impairments.outage import Outage
+from farhand.netem.impairments.pareto import Pareto
+from farhand.netem.impairments.paretonormal import ParetoNormal
+from farhand.netem.impairments.rate import Rate
+from farhand.netem.impairments.reorder import Reorder
+from farhand.netem.impairments.replay import Empirical, Replay
+from farhand.netem.impairments.slot import Slot
+from farhand.netem.impairments.tcp_like import TcpLike
+from farhand.netem.impairments.uniform import Uniform
 
 WORDS: dict[str, type[Word]] = {
     "constant": Constant,

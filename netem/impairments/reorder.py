@@ -8,9 +8,9 @@ delayed except every N-th, which with probability P is sent at once.
 
 from typing import ClassVar, Literal
 
-from netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from netem.impairments.loss_random import RandomEvents
-from netem.spec_reader import Reader, percent_text
+from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.loss_random import RandomEvents
+from farhand.netem.words.reader import Reader, percent_text
 
 Mode = Literal["drawn", "in-order", "gap"]
 

@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from netem.impairments.base import Context
-from netem.impairments.delay import DelayWord, Sampler
-from netem.spec_reader import Reader, path_text
-from netem.trace import Trace, load_trace
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import DelayWord, Sampler
+from farhand.netem.recordings.trace import Trace, load_trace
+from farhand.netem.words.reader import Reader, path_text
 
 OPTIONS = ("unit", "column", "period", "kind", "format", "gap", "at_end", "share")
 Options = tuple[tuple[str, str], ...]

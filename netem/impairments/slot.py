@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from netem.spec_reader import Reader, milliseconds_text
+from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.words.reader import Reader, milliseconds_text
 
 _KEPT_NS = 10_000_000_000
 

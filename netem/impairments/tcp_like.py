@@ -9,9 +9,9 @@ so that an outage ends in one burst. tc-netem has it by delaying real TCP packet
 from collections.abc import Sequence
 from typing import ClassVar
 
-from netem.impairments.base import Context, Impairment, LossModel, Stage, Transit, Word
-from netem.impairments.reorder import InOrder
-from netem.spec_reader import Reader, milliseconds_text
+from farhand.netem.impairments.base import Context, Impairment, LossModel, Stage, Transit, Word
+from farhand.netem.impairments.reorder import InOrder
+from farhand.netem.words.reader import Reader, milliseconds_text
 
 DEFAULT_TIMEOUT_NS = 200_000_000
 MAX_RETRANSMISSIONS = 15

@@ -1,9 +1,9 @@
 """`uniform:LOW,HIGH[,CORRELATION%]`: delays uniform between two bounds (tc: `delay 125ms 75ms`)."""
 
-from common.clock import to_seconds
-from netem.impairments.base import Context
-from netem.impairments.delay import CorrelatedNormal, DelayWord, Sampler, upper_tail
-from netem.spec_reader import Reader, milliseconds_text, percent_text
+from farhand.common.timing.clock import to_seconds
+from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.delay import CorrelatedNormal, DelayWord, Sampler, upper_tail
+from farhand.netem.words.reader import Reader, milliseconds_text, percent_text
 
 
 class Uniform(DelayWord, frozen=True):

@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from common.geometry import Array
-from common.scenario import ControllerSettings
+from farhand.common.geometry import Array
+from farhand.common.scenario import ControllerSettings
 
 
 class Status(str, Enum):

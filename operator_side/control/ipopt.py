@@ -5,9 +5,9 @@ from typing import Any
 
 import casadi
 
-from common.scenario import ControllerSettings
-from operator_side.control.nlp_controller import NlpController
-from operator_side.control.problem import SymbolicProblem, state_problem
+from farhand.common.scenario import ControllerSettings
+from farhand.operator_side.control.nlp_controller import NlpController
+from farhand.operator_side.control.statement import SymbolicProblem, state_problem
 
 
 class IpoptController(NlpController):

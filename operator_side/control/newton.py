@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from common.geometry import Array
-from common.scenario import ControllerSettings
-from operator_side.control import compile_cache
-from operator_side.control import newton_kernel as kernel
-from operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
-from operator_side.control.tracking import tracking_matrices, unconstrained_gains
+from farhand.common.geometry import Array
+from farhand.common.scenario import ControllerSettings
+from farhand.operator_side.control import compile_cache
+from farhand.operator_side.control import newton_kernel as kernel
+from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from farhand.operator_side.control.tracking import tracking_matrices, unconstrained_gains
 
 _STATUS = (
     Status.OPTIMAL,

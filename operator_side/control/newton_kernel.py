@@ -20,7 +20,7 @@ Arrays:
 import numpy as np
 from numba import njit
 
-from operator_side.control.compile_cache import USABLE
+from farhand.operator_side.control.compile_cache import USABLE
 
 OPTIMAL, SHORTCUT, ELASTIC, CAPPED, INFEASIBLE, BAD_INPUT = range(6)
 # par: period, weights Q R P S P_omega, decay 1 - gamma, penalty rho, least and greatest price of the elastic

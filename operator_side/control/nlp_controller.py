@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from common.geometry import Array
-from common.scenario import ControllerSettings
-from operator_side.control import rows
-from operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
-from operator_side.control.problem import SymbolicProblem, parameter_values
-from operator_side.control.tracking import tracking_cost
+from farhand.common.geometry import Array
+from farhand.common.scenario import ControllerSettings
+from farhand.operator_side.control import barrier as rows
+from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from farhand.operator_side.control.statement import SymbolicProblem, parameter_values
+from farhand.operator_side.control.tracking import tracking_cost
 
 Indices = NDArray[np.intp]
 

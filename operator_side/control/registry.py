@@ -5,9 +5,9 @@ Solvers are imported only when chosen, so that a program starts fast.
 
 from msgspec import structs
 
-from common.errors import InputError
-from common.scenario import ControllerSettings
-from operator_side.control.controller import Controller
+from farhand.common.errors import InputError
+from farhand.common.scenario import ControllerSettings
+from farhand.operator_side.control.controller import Controller
 
 
 def make_controller(settings: ControllerSettings) -> Controller:
@@ -16,15 +16,15 @@ def make_controller(settings: ControllerSettings) -> Controller:
     Where it cannot be quite what was asked for, the controller's `solver_notice` says so in one line.
     """
     if settings.kind == "pass-through":
-        from operator_side.control.pass_through import PassThrough
+        from farhand.operator_side.control.baselines.pass_through import PassThrough
 
         return PassThrough(settings)
     if settings.kind == "one-step":
-        from operator_side.control.one_step import OneStep
+        from farhand.operator_side.control.baselines.one_step import OneStep
 
         return OneStep(settings)
     if settings.kind == "mpc-distance":
-        from operator_side.control.mpc_distance import distance_settings
+        from farhand.operator_side.control.baselines.mpc_distance import distance_settings
 
         return _mpc(distance_settings(settings))
     if settings.kind == "mpc-cbf":
@@ -38,20 +38,20 @@ def _mpc(settings: ControllerSettings) -> Controller:
     notice = ""
     if settings.solver == "newton":
         try:
-            from operator_side.control.newton import NewtonController
+            from farhand.operator_side.control.newton import NewtonController
 
             return NewtonController(settings)
         except ImportError as error:
             notice = f"the compiled solver cannot be used ({error}); the slower CasADi SQP takes over"
             settings = structs.replace(settings, solver="sqp")
     if settings.solver == "sqp":
-        from operator_side.control.sqp import SqpController
+        from farhand.operator_side.control.sqp import SqpController
 
         sqp = SqpController(settings)
         sqp.solver_notice = notice
         return sqp
     if settings.solver == "ipopt":
-        from operator_side.control.ipopt import IpoptController
+        from farhand.operator_side.control.ipopt import IpoptController
 
         return IpoptController(settings)
     raise InputError(f"controller.solver: {settings.solver!r} is none of newton, sqp, ipopt")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from common.geometry import Array
-from common.scenario import ControllerSettings
+from farhand.common.geometry import Array
+from farhand.common.scenario import ControllerSettings
 
 
 def tracking_matrices(settings: ControllerSettings) -> tuple[Array, Array]:

@@ -1,10 +1,10 @@
-"""Compile the solver into the cache: `python -m operator_side.control.warm`."""
+"""Compile the solver into the cache: `python -m farhand.operator_side.control.warm`."""
 
 import sys
 
-from common.clock import processor_seconds
-from common.scenario import ControllerSettings
-from operator_side.control.registry import make_controller
+from farhand.common.scenario import ControllerSettings
+from farhand.common.timing.clock import processor_seconds
+from farhand.operator_side.control.registry import make_controller
 
 
 def main() -> int:

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from common.messages import RobotState, Scene, Vector3
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
 
 
 @dataclass(frozen=True, slots=True)

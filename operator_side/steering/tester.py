@@ -5,9 +5,10 @@ Speed 0.05 m/s within 0.15 m of the target, 0.50 m/s beyond 0.50 m, linear betwe
 
 import math
 
-from common.messages import RobotState, Scene
-from common.scenario import OperatorSettings
-from operator_side.steering.device import SteeringInput
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.scenario import OperatorSettings
+from farhand.operator_side.steering.device import SteeringInput
 
 ACKNOWLEDGE_PERIOD_NS = 500_000_000
 

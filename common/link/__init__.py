@@ -1,0 +1,1 @@
+"""How bytes move: links, Zenoh sessions, requests, presence, ports."""

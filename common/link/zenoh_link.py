@@ -1,0 +1,199 @@
+"""The link over a Zenoh session, and the session's settings.
+
+TCP only by default: over UDP Zenoh neither retransmits nor keeps late packets. All scouting is off, so that
+programs meet only where they are told to. Callbacks only enqueue; a thread of its own publishes, since a put
+on a dying link may block.
+"""
+
+import json
+import re
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+
+import zenoh
+
+from farhand.common.errors import EndpointError
+from farhand.common.link.link import Inbox, Packet
+from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.executor import request_realtime
+
+LEASE_MS = 1000
+CLIENT_PATIENCE_MS = 10_000
+BLOCK_BEFORE_CLOSE_US = 200_000
+OUTBOX_LIMIT = 256
+CLOSING_TIME = 1.0
+TIMING: tuple[tuple[str, object], ...] = (
+    ("transport/link/tx/lease", LEASE_MS),
+    ("transport/link/tx/keep_alive", 4),
+    ("transport/link/tx/queue/congestion_control/block/wait_before_close", BLOCK_BEFORE_CLOSE_US),
+)
+"""How soon a session notices that a link is dead; a router must have the same, or all wait for its 10 s."""
+_ENDPOINT = re.compile(r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:]+\]|[A-Za-z0-9_.-]+):(\d{1,5})\Z")
+_LOOPBACK = {"127.0.0.1", "localhost", "[::1]"}
+
+
+def check_endpoint(endpoint: str) -> str:
+    """The endpoint itself if it has the form PROTOCOL/HOST:PORT; raises EndpointError otherwise."""
+    match = _ENDPOINT.match(endpoint)
+    if not match or not 0 < int(match[3]) < 65536:
+        raise EndpointError(
+            f"endpoint {endpoint!r}: expected PROTOCOL/HOST:PORT such as tcp/127.0.0.1:7447 "
+            "(tcp, tls, quic, udp or ws; port 1 to 65535)"
+        )
+    return endpoint
+
+
+def is_loopback(endpoint: str) -> bool:
+    """Whether an endpoint can be reached from this host only."""
+    match = _ENDPOINT.match(endpoint)
+    return bool(match) and match[2] in _LOOPBACK  # type: ignore[index]
+
+
+def zenoh_config(
+    connect: Sequence[str] = (),
+    listen: Sequence[str] = (),
+    *,
+    mode: str = "peer",
+    extra: Iterable[tuple[str, object]] = (),
+) -> zenoh.Config:
+    """Session settings: no scouting, 1 s lease, endless reconnection, failure when a port is taken.
+
+    Args:
+        connect: endpoints to connect to, and to connect to again whenever they are lost.
+        listen: endpoints to listen on.
+        mode: `peer`; `client` of a router, which does not route between peers; or `router`.
+        extra: further (path, value) settings, e.g. for TLS and access control.
+    """
+    for endpoint in (*connect, *listen):
+        check_endpoint(endpoint)
+    settings: list[tuple[str, object]] = [
+        ("mode", mode),
+        ("connect/endpoints", list(connect)),
+        ("listen/endpoints", list(listen)),
+        ("scouting/multicast/enabled", False),
+        ("scouting/gossip/enabled", False),
+        *TIMING,
+        # A client's session opens only once its router is there, so its patience must end.
+        ("connect/timeout_ms", CLIENT_PATIENCE_MS if mode == "client" else -1),
+        ("connect/exit_on_failure", mode == "client"),
+        ("connect/retry", {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}),
+        ("listen/timeout_ms", 0),
+        ("listen/exit_on_failure", True),
+        *extra,
+    ]
+    config = zenoh.Config()
+    for path, value in settings:
+        config.insert_json5(path, json.dumps(value))
+    return config
+
+
+def open_session(
+    connect: Sequence[str] = (),
+    listen: Sequence[str] = (),
+    *,
+    mode: str = "peer",
+    extra: Iterable[tuple[str, object]] = (),
+) -> zenoh.Session:
+    """Open a Zenoh session; raises EndpointError when it cannot listen."""
+    try:
+        return zenoh.open(zenoh_config(connect, listen, mode=mode, extra=extra))
+    except zenoh.ZError as error:
+        where = ", ".join(listen) or ", ".join(connect)
+        text = str(error)
+        if "in use" in text or "EADDRINUSE" in text or "os error 98" in text:
+            raise EndpointError(
+                f"endpoint {where}: the port is already in use; choose another or stop who has it"
+            ) from None
+        if mode == "client":
+            raise EndpointError(
+                f"endpoint {where}: no Zenoh router answers there for {CLIENT_PATIENCE_MS // 1000} s; "
+                "start it, or see address and port (`farhand doctor` says more)"
+            ) from None
+        raise EndpointError(f"endpoint {where}: cannot be opened: {text.splitlines()[0][:200]}") from None
+
+
+class ZenohLink:
+    """A link over a Zenoh session, to be closed with `close`.
+
+    Args:
+        session: an open session; the link closes it.
+        subscribe: key expressions to receive.
+        clock: stamps arrivals.
+        on_arrival: called after each arrival, in a Zenoh thread; must only notify.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        subscribe: Sequence[str],
+        clock: SystemClock,
+        on_arrival: Callable[[], None] | None = None,
+    ) -> None:
+        self.session = session
+        self.inbox = Inbox()
+        self.outbox_dropped = 0
+        self.put_errors = 0
+        self._clock = clock
+        self._on_arrival = on_arrival
+        self._outbox: deque[Packet] = deque()
+        self._condition = threading.Condition()
+        self._closing = False
+        self._subscribers = [session.declare_subscriber(key, self._receive) for key in subscribe]
+        self._thread = threading.Thread(target=self._publish, name="publisher", daemon=True)
+        self._thread.start()
+
+    def send(self, packet: Packet) -> None:
+        """Queue a packet for the publishing thread; the oldest goes when 256 are waiting."""
+        with self._condition:
+            if len(self._outbox) >= OUTBOX_LIMIT:
+                self._outbox.popleft()
+                self.outbox_dropped += 1
+            self._outbox.append(packet)
+            self._condition.notify()
+
+    def receive(self) -> list[Packet]:
+        """Everything that has arrived since the last call, in order of arrival."""
+        return self.inbox.drain()
+
+    def connected(self) -> bool:
+        """Whether anybody is connected to the session."""
+        info = self.session.info
+        return bool(info.peers_zid() or info.routers_zid())
+
+    def close(self, drain_time: float = 0.5) -> None:
+        """Send what is queued (at most `drain_time` s), then close the session."""
+        with self._condition:
+            self._closing = True
+            self._condition.notify()
+        self._thread.join(drain_time)
+        # Closing may block on a link that is dying; whoever closes must not.
+        closing = threading.Thread(target=self.session.close, name="closing", daemon=True)
+        closing.start()
+        closing.join(CLOSING_TIME)
+
+    def _receive(self, sample: zenoh.Sample) -> None:
+        if sample.kind != zenoh.SampleKind.PUT:
+            return
+        self.inbox.put(Packet(str(sample.key_expr), sample.payload.to_bytes(), self._clock.now_ns()))
+        if self._on_arrival is not None:
+            self._on_arrival()
+
+    def _publish(self) -> None:
+        request_realtime()
+        while True:
+            with self._condition:
+                while not self._outbox and not self._closing:
+                    self._condition.wait()
+                if not self._outbox:
+                    return
+                packet = self._outbox.popleft()
+            try:
+                self.session.put(
+                    packet.key,
+                    packet.payload,
+                    express=True,
+                    congestion_control=zenoh.CongestionControl.BLOCK,
+                )
+            except zenoh.ZError:
+                self.put_errors += 1

@@ -1,0 +1,66 @@
+"""The fields and the kinds of numbers that all messages share; MessagePack maps, one schema version.
+
+SI units, base frame, orientations as unit quaternions (w, x, y, z), stamps from the sender's clock.
+"""
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta, Struct
+
+SCHEMA = 2
+
+# Magnitudes beyond this are refused as nonsense: no position in m or velocity in m/s comes near it.
+Real = Annotated[float, Meta(ge=-1e6, le=1e6)]
+Positive = Annotated[float, Meta(gt=0, le=1e6)]
+NonNegative = Annotated[float, Meta(ge=0, le=1e6)]
+Vector3 = tuple[Real, Real, Real]
+Quaternion = tuple[Real, Real, Real, Real]
+Stamp = Annotated[int, Meta(ge=0, le=2**63 - 1)]
+Duration = Annotated[int, Meta(ge=0, le=2**62)]
+# Names are shown on terminals: no control characters, and nothing that turns the direction of writing.
+_PRINTABLE = r"\A[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]*\Z"
+Name = Annotated[str, Meta(min_length=1, max_length=64, pattern=_PRINTABLE)]
+NameOrNone = Annotated[str, Meta(max_length=64, pattern=_PRINTABLE)]
+Text = Annotated[str, Meta(max_length=512)]
+
+SafetyMode = Literal["run", "hold", "stopped", "estop"]
+
+
+class Echo(Struct, frozen=True, forbid_unknown_fields=True):
+    """The newest message (by seq) received from the other side, so that it can measure the round trip.
+
+    Attributes:
+        session: its sender's session.
+        seq: its sequence number.
+        t_sent_ns: its stamp, on its sender's clock.
+        hold_ns: how long it had been here when this echo was written.
+    """
+
+    session: Stamp
+    seq: Stamp
+    t_sent_ns: Stamp
+    hold_ns: Duration
+
+
+class Message(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The fields that every message has.
+
+    Attributes:
+        schema: version of these definitions.
+        source: who sent it: the robot's name, or the operator's as it names itself.
+        session: random, new at each start of the sender's process.
+        seq: counts up by one a message of this kind and session.
+        t_sent_ns: sender's monotonic clock; for a command the instant at which its tick began.
+        echo: newest message received from the other side.
+        check: CRC-32 of the bytes before it; the codec writes it as the last field, verifies it and takes it
+            off again, so that a node never sees it. A foreign sender may leave it out.
+    """
+
+    schema: int = SCHEMA
+    source: Name
+    session: Stamp
+    seq: Stamp
+    t_sent_ns: Stamp
+    echo: Echo | None = None
+    check: Annotated[int, Meta(ge=0, le=2**32 - 1)] | msgspec.UnsetType = msgspec.UNSET

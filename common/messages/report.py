@@ -1,0 +1,77 @@
+"""Operator side to its console and recorder: all that was seen and decided in a tick."""
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from farhand.common.messages.base import Message, Name, Real, SafetyMode, Stamp, Text, Vector3
+from farhand.common.messages.command import CommandMode
+
+
+class ControlReport(Message, frozen=True, kw_only=True):
+    """What the operator side saw and decided in one tick; stays on the operator's side of the network.
+
+    Attributes:
+        tick: counts the ticks.
+        mode: mode of the command sent.
+        desired, filtered: velocity before and after the filter (m/s).
+        intervening: whether the filter changed the command by more than 1 mm/s.
+        position: tool position last reported (m).
+        predicted: start state that the controller used (m).
+        prediction_error: newest innovation (m).
+        sigma: the paper's margin added to the barrier (m).
+        inflation: radius inflation (m).
+        margin_parts: named parts of the margin (m).
+        rtt, rtt_mean, rtt_std: network round trip, newest and over the window (s).
+        loss: fraction of commands or states known to be lost.
+        age: age of the oldest unanswered command (s).
+        state_age: time since the last state arrived (s).
+        status: the solver's status.
+        solve_time: (s).
+        binding: id of the obstacle that binds, or empty.
+        clearance, min_clearance: as the robot reported them (m).
+        safety, safety_reason: the robot's watchdog.
+        stop_reason: why the operator side commands zero, or empty.
+        target_index, target_count: progress through the targets.
+        refused_here: messages refused by this side.
+        refused_there: commands refused by the robot.
+        stops: stops counted by the robot.
+        state_rate: states arriving per second.
+        states: states that arrived so far.
+        overruns: late control ticks.
+    """
+
+    tick: Stamp
+    mode: CommandMode
+    desired: Vector3
+    filtered: Vector3
+    intervening: bool
+    position: Vector3
+    predicted: Vector3
+    prediction_error: Real
+    sigma: Real
+    inflation: Real
+    margin_parts: Annotated[dict[Name, Real], Meta(max_length=16)] = msgspec.field(default_factory=dict)
+    rtt: Real | None
+    rtt_mean: Real | None
+    rtt_std: Real | None
+    loss: Real
+    age: Real
+    state_age: Real
+    status: Name
+    solve_time: Real
+    binding: Annotated[str, Meta(max_length=64)] = ""
+    clearance: Real | None
+    min_clearance: Real | None
+    safety: SafetyMode | None
+    safety_reason: Text = ""
+    stop_reason: Text = ""
+    target_index: Stamp
+    target_count: Stamp
+    refused_here: Stamp
+    refused_there: Stamp
+    stops: Stamp
+    state_rate: Real
+    states: Stamp = 0
+    overruns: Stamp

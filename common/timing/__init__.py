@@ -1,0 +1,1 @@
+"""Clocks, periods, and the loop that calls a node."""

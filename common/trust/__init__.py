@@ -1,0 +1,1 @@
+"""Certificates, TLS, rights, and what is said of those who are refused."""

@@ -1,0 +1,142 @@
+"""Options that several commands share, and what they mean."""
+
+from typing import Annotated, get_args
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from farhand.common.errors import InputError, SpecError
+from farhand.common.scenario import (
+    MarginName,
+    PredictorName,
+    Scenario,
+    SolverName,
+    load_scenario,
+    replace_setting,
+)
+
+ScenarioOption = Annotated[
+    str, typer.Option(help="Built-in scenario (see `farhand scenarios`) or TOML file.")
+]
+NetworkOption = Annotated[
+    str,
+    typer.Option(help="SPEC of both directions, e.g. constant:200 (ms), or a name from `farhand networks`."),
+]
+UplinkOption = Annotated[str, typer.Option(help="SPEC from operator to robot, where it differs.")]
+DownlinkOption = Annotated[str, typer.Option(help="SPEC from robot to operator, where it differs.")]
+MarginOption = Annotated[
+    str | None, typer.Option(help=f"Safety margin: {', '.join(get_args(MarginName))} [default: scenario's].")
+]
+PredictorOption = Annotated[
+    str | None,
+    typer.Option(
+        help=f"State predictor: {', '.join(get_args(PredictorName))} "
+        "[default: timeline for the adaptive margin, else history]."
+    ),
+]
+SolverOption = Annotated[
+    str | None, typer.Option(help=f"Solver: {', '.join(get_args(SolverName))} [default: scenario's].")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Replace a setting of the scenario, e.g. --set controller.gamma=0.3."),
+]
+SeedOption = Annotated[int, typer.Option(min=0, help="Seed of everything that is drawn.")]
+TimeLimitOption = Annotated[
+    float, typer.Option(min=0.1, max=1e6, help="Give up this long after the first motion, s.")
+]
+TimelineOption = Annotated[
+    str | None, typer.Option(help="TOML file of changes of the network at given times (docs/netem.md).")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as the last line, as JSON.")]
+ConnectOption = Annotated[
+    list[str] | None, typer.Option(help="Zenoh endpoint to connect to, e.g. tcp/10.0.0.2:7447; repeatable.")
+]
+ListenOption = Annotated[
+    list[str] | None, typer.Option(help="Zenoh endpoint to listen on, e.g. tcp/127.0.0.1:7447; repeatable.")
+]
+RobotOption = Annotated[str, typer.Option("--robot", help="Name of the robot, part of its keys.")]
+TlsOption = Annotated[
+    str,
+    typer.Option(
+        "--tls",
+        metavar="DIR",
+        help="Certificate folder of this program (`farhand certs`): TLS on every link.",
+    ),
+]
+RouterOption = Annotated[
+    bool, typer.Option("--router", help="What is connected to is a Zenoh router (zenohd): be its client.")
+]
+InsecureOption = Annotated[
+    bool, typer.Option("--insecure", help="Listen beyond this host without TLS: anybody may move the robot.")
+]
+RealtimeOption = Annotated[
+    bool, typer.Option("--realtime/--no-realtime", help="Ask for the SCHED_FIFO real-time scheduler.")
+]
+
+
+def chosen_scenario(
+    name: str,
+    margin: str | None,
+    predictor: str | None,
+    solver: str | None,
+    settings: list[str] | None,
+) -> Scenario:
+    """The scenario with the options' replacements; raises InputError."""
+    scenario = load_scenario(name)
+    for option, value, key, known in (
+        ("--margin", margin, "margin.kind", get_args(MarginName)),
+        ("--predictor", predictor, "operator.predictor", get_args(PredictorName)),
+        ("--solver", solver, "controller.solver", get_args(SolverName)),
+    ):
+        if value is None:
+            continue
+        if value not in known:
+            raise InputError(f"{option} {value!r}: must be one of {', '.join(known)}")
+        scenario = replace_setting(scenario, key, value)
+    for setting in settings or []:
+        scenario = replace_setting(scenario, *parse_setting(setting))
+    return scenario
+
+
+def parse_setting(setting: str) -> tuple[str, object]:
+    """Key and value of `controller.gamma=0.3`; raises InputError."""
+    key, separator, text = setting.partition("=")
+    if not separator or not key.strip():
+        raise InputError(f"--set {setting!r}: expected KEY=VALUE such as controller.gamma=0.3")
+    return key.strip(), parse_value(text.strip())
+
+
+def parse_value(text: str) -> object:
+    """A TOML value; what is not one is taken as a string."""
+    import sys
+
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+    try:
+        return tomllib.loads(f"v = {text}")["v"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def split_network(network: str, uplink: str, downlink: str) -> tuple[str, str]:
+    """SPECs of both directions, checked; raises SpecError."""
+    from farhand.netem.spec import parse_spec
+
+    up, down = uplink or network, downlink or network
+    for spec in dict.fromkeys((up, down)):
+        if not spec.strip():
+            raise SpecError("network '': at character 1: expected a SPEC such as constant:200 or none")
+        parse_spec(spec).prepare()
+    return up, down
+
+
+def print_rows(rows: list[tuple[str, str]]) -> None:
+    """A name and a line each."""
+    table = Table.grid(padding=(0, 2))
+    for name, line in rows:
+        table.add_row(f"[bold]{name}[/bold]", line)
+    Console().print(table)

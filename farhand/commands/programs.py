@@ -1,0 +1,200 @@
+"""Commands that are one program of a system that runs. Heavy modules are imported only where they are used."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from farhand.commands.options import (
+    ConnectOption,
+    InsecureOption,
+    ListenOption,
+    MarginOption,
+    PredictorOption,
+    RealtimeOption,
+    RobotOption,
+    RouterOption,
+    ScenarioOption,
+    SeedOption,
+    SetOption,
+    SolverOption,
+    TlsOption,
+    chosen_scenario,
+)
+
+
+def operator(
+    scenario: ScenarioOption = "ur5-obstacle",
+    connect: ConnectOption = None,
+    listen: ListenOption = None,
+    robot: RobotOption = "ur5",
+    margin: MarginOption = None,
+    predictor: PredictorOption = None,
+    solver: SolverOption = None,
+    settings: SetOption = None,
+    report: Annotated[
+        str, typer.Option(help="Publish a report of every tick on this local endpoint, for `farhand watch`.")
+    ] = "",
+    seed: SeedOption = 0,
+    time_limit: Annotated[
+        float | None, typer.Option(min=0.1, max=1e6, help="Give up this long after the first motion, s.")
+    ] = None,
+    record: Annotated[
+        Path | None, typer.Option(help="Record what arrives and what is decided, for `farhand replay`.")
+    ] = None,
+    result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
+    realtime: RealtimeOption = True,
+    tls: TlsOption = "",
+    insecure: InsecureOption = False,
+    router: RouterOption = False,
+    name: Annotated[
+        str,
+        typer.Option(
+            help="What others call this operator [default: the certificate's name, else USER@HOST]."
+        ),
+    ] = "",
+) -> None:
+    """The operator's side: steering device, state predictor, safety margin, MPC with barrier functions.
+
+    Ends by itself when the task is finished.
+    """
+    from farhand.common.process.security import local_endpoint
+    from farhand.programs.programs import check_writable, operator_program
+
+    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    check_writable(record, "--record")
+    check_writable(result, "--result")
+    endpoints = connect or ([] if listen else [local_endpoint(7447, tls)])
+    code = operator_program(
+        chosen,
+        name=robot,
+        connect=endpoints,
+        listen=listen or [],
+        report=report or None,
+        seed=seed,
+        time_limit=time_limit,
+        record=record,
+        result=result,
+        realtime=realtime,
+        tls=tls,
+        insecure=insecure,
+        router=router,
+        operator=name,
+    )
+    raise typer.Exit(code)
+
+
+def robot(
+    scenario: ScenarioOption = "ur5-obstacle",
+    connect: ConnectOption = None,
+    listen: ListenOption = None,
+    name: Annotated[str, typer.Option("--robot", help="Name of the robot, part of its keys.")] = "ur5",
+    settings: SetOption = None,
+    result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
+    realtime: RealtimeOption = True,
+    tls: TlsOption = "",
+    insecure: InsecureOption = False,
+    router: RouterOption = False,
+) -> None:
+    """The robot's side: watchdog, velocity control, robot. Runs until it is told to end (Ctrl-C)."""
+    from farhand.common.process.security import local_endpoint
+    from farhand.programs.programs import check_writable, robot_program
+
+    chosen = chosen_scenario(scenario, None, None, None, settings)
+    check_writable(result, "--result")
+    endpoints = connect or ([] if listen else [local_endpoint(7448, tls)])
+    raise typer.Exit(
+        robot_program(
+            chosen,
+            name=name,
+            connect=endpoints,
+            listen=listen or [],
+            result=result,
+            realtime=realtime,
+            tls=tls,
+            insecure=insecure,
+            router=router,
+        )
+    )
+
+
+def handover(
+    to: Annotated[
+        str, typer.Option(help="Name of who shall get control [default: the only one who waits].")
+    ] = "",
+    connect: Annotated[
+        str, typer.Option(help="The --report endpoint of this host's operator, which holds control.")
+    ] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+) -> None:
+    """Hand control of a robot over to another operator who waits for it."""
+    from farhand.common.process.security import local_only
+    from farhand.site.handover import hand_over
+
+    raise typer.Exit(hand_over(local_only(connect, "--connect"), robot, to))
+
+
+def robots(
+    connect: ConnectOption = None,
+    tls: TlsOption = "",
+    router: RouterOption = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """List who is there: robots, their operators and emulators, and who holds control."""
+    from farhand.common.process.security import local_endpoint
+    from farhand.site.robots import list_robots
+
+    raise typer.Exit(list_robots(connect or [local_endpoint(7447, tls)], tls, as_json, router))
+
+
+def doctor(
+    connect: Annotated[str, typer.Option(help="Where the operator connects to.")] = "",
+    robot: RobotOption = "ur5",
+    tls: TlsOption = "",
+    router: RouterOption = False,
+    scenario: ScenarioOption = "ur5-obstacle",
+    count: Annotated[int, typer.Option(min=1, max=10_000, help="Questions that measure the path.")] = 60,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """Check the path to a robot: reachability, TLS, round trip, loss, versions, rights, certificates.
+
+    Exit code 0: nothing is in the way. 1: something is, and what to do about it is said. 2: bad input.
+    """
+    from farhand.common.messages.keys import check_robot_name
+    from farhand.common.process.security import local_endpoint
+    from farhand.common.scenario import load_scenario
+    from farhand.site.doctor.doctor import run_doctor
+
+    endpoint = connect or local_endpoint(7447, tls)
+    asked = load_scenario(scenario)
+    found = run_doctor(endpoint, check_robot_name(robot), tls, asked, count, as_json, router)
+    raise typer.Exit(found)
+
+
+def watch(
+    connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+) -> None:
+    """Live status of a running operator, in a program of its own so that it cannot disturb control."""
+    from farhand.demo.live_status import watch_operator
+
+    raise typer.Exit(watch_operator(connect, robot))
+
+
+def tap(
+    endpoint: Annotated[str, typer.Argument(help="Endpoint to connect to, such as tcp/127.0.0.1:7447.")],
+    key: Annotated[str, typer.Option(help="Key expression to listen to.")] = "**",
+    count: Annotated[int | None, typer.Option(min=1, help="End after this many messages.")] = None,
+    router: RouterOption = False,
+    tls: TlsOption = "",
+) -> None:
+    """Print whatever travels: any MessagePack, decoded without knowledge of Farhand's messages."""
+    from farhand.site.tap import run_tap
+
+    raise typer.Exit(run_tap(endpoint, key, count, router, tls))
+
+
+def register(app: typer.Typer) -> None:
+    """Mount these commands."""
+    for command in (operator, robot, handover, robots, doctor, watch, tap):
+        app.command()(command)

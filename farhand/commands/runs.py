@@ -1,0 +1,155 @@
+"""Commands that run a task, and lists of what is built in. Heavy modules are imported only where they are used."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from farhand.commands.options import (
+    DownlinkOption,
+    JsonOption,
+    MarginOption,
+    NetworkOption,
+    PredictorOption,
+    ScenarioOption,
+    SeedOption,
+    SetOption,
+    SolverOption,
+    TimeLimitOption,
+    TimelineOption,
+    UplinkOption,
+    chosen_scenario,
+    split_network,
+)
+
+OutOption = Annotated[
+    Path | None, typer.Option("--out", help="Folder for the results [default: runs/<time>-<scenario>].")
+]
+
+
+def demo(
+    scenario: ScenarioOption = "ur5-obstacle",
+    network: NetworkOption = "5g-urban",
+    uplink: UplinkOption = "",
+    downlink: DownlinkOption = "",
+    margin: MarginOption = None,
+    predictor: PredictorOption = None,
+    solver: SolverOption = None,
+    settings: SetOption = None,
+    seed: SeedOption = 0,
+    time_limit: TimeLimitOption = 90.0,
+    timeline: TimelineOption = None,
+    out: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Drive a robot past an obstacle over an emulated network: three programs, one live status, one summary.
+
+    Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
+    """
+    from farhand.demo.demo import run_demo
+
+    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    up, down = split_network(network, uplink, downlink)
+    code = run_demo(
+        chosen,
+        uplink=up,
+        downlink=down,
+        seed=seed,
+        time_limit=time_limit,
+        timeline=timeline,
+        out=out,
+        as_json=as_json,
+    )
+    raise typer.Exit(code)
+
+
+def simulate(
+    scenario: ScenarioOption = "ur5-obstacle",
+    network: NetworkOption = "5g-urban",
+    uplink: UplinkOption = "",
+    downlink: DownlinkOption = "",
+    margin: MarginOption = None,
+    predictor: PredictorOption = None,
+    solver: SolverOption = None,
+    settings: SetOption = None,
+    seed: SeedOption = 0,
+    time_limit: TimeLimitOption = 90.0,
+    computing_time: Annotated[
+        float, typer.Option(min=0.0, max=1000.0, help="Modelled computing time of a control tick, ms.")
+    ] = 20.0,
+    timeline: TimelineOption = None,
+    out: OutOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Run one task in virtual time: the same nodes, summary and figure as the demo, in a fraction of the time."""
+    from farhand.laboratory.simulate_run import run_simulation
+
+    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    up, down = split_network(network, uplink, downlink)
+    code = run_simulation(
+        chosen,
+        uplink=up,
+        downlink=down,
+        seed=seed,
+        time_limit=time_limit,
+        computing_time=computing_time / 1000.0,
+        timeline=timeline,
+        out=out,
+        as_json=as_json,
+    )
+    raise typer.Exit(code)
+
+
+def summarise(
+    folder: Annotated[Path, typer.Argument(help="Folder with operator.json, netem.json, robot.json.")],
+    scenario: ScenarioOption = "ur5-obstacle",
+    network: NetworkOption = "5g-urban",
+    uplink: UplinkOption = "",
+    downlink: DownlinkOption = "",
+    margin: MarginOption = None,
+    predictor: PredictorOption = None,
+    solver: SolverOption = None,
+    settings: SetOption = None,
+    seed: SeedOption = 0,
+    why: Annotated[str, typer.Option(help="What went wrong, where the files cannot say it.")] = "",
+    as_json: JsonOption = False,
+) -> None:
+    """Summary and figure of a run whose programs ran on hosts of their own; options as in that run.
+
+    Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
+    """
+    from farhand.runs.conclude import run_summarise
+
+    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    up, down = split_network(network, uplink, downlink)
+    code = run_summarise(folder, chosen, uplink=up, downlink=down, seed=seed, why=why, as_json=as_json)
+    raise typer.Exit(code)
+
+
+def scenarios() -> None:
+    """What scenarios are built in."""
+    from farhand.commands.options import print_rows
+    from farhand.common.scenario import built_in_names, load_scenario
+
+    print_rows([(name, load_scenario(name).description) for name in built_in_names()])
+
+
+def networks() -> None:
+    """What networks are built in, and how to write one."""
+    from farhand.commands.options import print_rows
+    from farhand.netem.models.profiles import describe_profiles
+
+    rows = [
+        ("none", "nothing is delayed"),
+        ("constant:200", "200 ms each way"),
+        ("uniform:50,200", "50 to 200 ms each way"),
+        ("gaussian:50,20", "mean 50 ms, standard deviation 20 ms, each way"),
+        ("trace:FILE", "replays a recorded delay trace"),
+    ]
+    print_rows([*rows, *describe_profiles()])
+
+
+def register(app: typer.Typer) -> None:
+    """Mount these commands."""
+    for command in (demo, simulate, summarise, scenarios, networks):
+        app.command()(command)

@@ -1,0 +1,1 @@
+"""The demo: three programs as children of one, and their live status."""

@@ -1,0 +1,71 @@
+"""Child processes that never outlive their parent."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from farhand.common.process.signals import PARENT_VARIABLE
+from farhand.common.timing.clock import SystemClock, to_ns
+
+PATIENCE = 1.5
+
+
+class Children:
+    """Programs of Farhand run as child processes, each with a log file.
+
+    Args:
+        folder: where the logs go.
+        clock: for the patience at the end.
+    """
+
+    def __init__(self, folder: Path, clock: SystemClock) -> None:
+        self._folder, self._clock = folder, clock
+        self.running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def start(self, name: str, arguments: Sequence[str]) -> None:
+        """Start `farhand ARGUMENTS`; the kernel ends it should this process die."""
+        environment = os.environ | {PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"}
+        with (self._folder / f"{name}.log").open("wb") as log:
+            self.running[name] = subprocess.Popen(
+                [sys.executable, "-m", "farhand", *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=environment,
+            )
+
+    def ended(self) -> dict[str, int]:
+        """Exit codes of those that have ended."""
+        return {name: p.returncode for name, p in self.running.items() if p.poll() is not None}
+
+    def wait_all(self, timeout: float) -> bool:
+        """Whether all have ended within `timeout` s."""
+        deadline_ns = self._clock.now_ns() + to_ns(timeout)
+        for process in self.running.values():
+            try:
+                process.wait(max(0.0, (deadline_ns - self._clock.now_ns()) * 1e-9))
+            except subprocess.TimeoutExpired:
+                return False
+        return True
+
+    def stop(self) -> None:
+        """End all of them: asked first, made to after 1.5 s."""
+        for process in self.running.values():
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+        if not self.wait_all(PATIENCE):
+            for process in self.running.values():
+                if process.poll() is None:
+                    process.kill()
+            self.wait_all(PATIENCE)
+
+    def last_words(self, name: str) -> str:
+        """The last line of a child's log."""
+        try:
+            lines = (self._folder / f"{name}.log").read_text(errors="replace").strip().splitlines()
+        except OSError:
+            return ""
+        return lines[-1] if lines else ""

@@ -1,0 +1,1 @@
+"""The same nodes in one process under a virtual clock."""

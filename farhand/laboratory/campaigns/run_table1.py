@@ -1,0 +1,92 @@
+"""`farhand table1` from beginning to end: run, tables, figures, files."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
+
+from farhand.common.timing.clock import processor_seconds
+from farhand.laboratory.campaigns.campaign import run_campaign
+from farhand.laboratory.campaigns.jobs import Job, Row
+from farhand.laboratory.campaigns.pools import Pool
+from farhand.laboratory.campaigns.store import Store
+from farhand.laboratory.campaigns.table1 import Table1
+from farhand.laboratory.campaigns.table1_report import to_json, to_markdown, to_rich
+
+JSON, MARKDOWN = "table1.json", "table1.md"
+
+
+def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
+    """Run the campaign or what is missing of it; returns 0, or 1 when a task crashed."""
+    console = Console(file=sys.stderr if as_json else sys.stdout)
+    store = Store(out, table.about())
+    jobs = table.jobs()
+    rows, run = run_with_progress(jobs, store, pool, console)
+    found = to_json(table, rows, run)
+    (out / JSON).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    (out / MARKDOWN).write_text(to_markdown(table, rows), encoding="utf-8")
+    if table.only is None:
+        from farhand.laboratory.campaigns.figures import draw_table1
+
+        draw_table1(table, rows, out)
+    console.print(to_rich(rows))
+    report_crashes(rows, console)
+    console.print(f"results in {out}/: {JSON}, {MARKDOWN}, tasks.csv, figures", highlight=False)
+    if as_json:
+        print(json.dumps(found), flush=True)
+    return 1 if any(row.error for row in rows) else 0
+
+
+def run_with_progress(
+    jobs: list[Job], store: Store, pool: Pool, console: Console
+) -> tuple[list[Row], dict[str, Any]]:
+    """Rows in order and how long they took; `tasks.csv` is written whatever happens."""
+    before = len(jobs) - len(store.missing(jobs))
+    if before:
+        console.print(f"going on: {before} of {len(jobs)} runs are there already", highlight=False)
+    began = processor_seconds()
+    bar = Progress(
+        "running",
+        BarColumn(),
+        MofNCompleteColumn(),
+        "elapsed",
+        TimeElapsedColumn(),
+        "left",
+        TimeRemainingColumn(),
+        console=console,
+    )
+    try:
+        with bar:
+            line = bar.add_task("", total=len(jobs), completed=before)
+
+            def advance(row: Row) -> None:
+                if row.error:
+                    bar.console.print(f"crashed: {row.key}, seed {row.seed}: {row.error}", highlight=False)
+                bar.advance(line)
+
+            rows = run_campaign(jobs, store, pool, advance)
+    finally:
+        store.write_table(store.ordered(jobs))
+        store.close()
+    wall = processor_seconds() - began
+    new = [row for row in rows[:] if row.duration is not None]
+    run = {
+        "workers": pool.workers,
+        "runs": len(jobs),
+        "runs_now": len(jobs) - before,
+        "wall_time": wall,
+        "virtual_time": sum(row.duration or 0.0 for row in new),
+    }
+    return rows, run
+
+
+def report_crashes(rows: list[Row], console: Console) -> None:
+    """Name the rows without a result and how to see one again."""
+    crashes = [row for row in rows if row.error]
+    for row in crashes[:10]:
+        console.print(f"crashed: {row.key}, seed {row.seed}: {row.error}", style="red", highlight=False)
+    if len(crashes) > 10:
+        console.print(f"and {len(crashes) - 10} more, see tasks.csv", style="red")

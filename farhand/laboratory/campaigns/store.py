@@ -1,0 +1,171 @@
+"""A campaign's folder: what it is, its finished rows as they come, and the tables made of them.
+
+`campaign.json` holds the settings, seed and versions; `rows.jsonl` one line a finished run, written at once,
+so that a campaign that is stopped goes on where it stopped; `tasks.csv` all rows in their fixed order.
+"""
+
+import csv
+import hashlib
+import io
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, TextIO
+
+import msgspec
+
+from farhand.common.errors import InputError
+from farhand.laboratory.campaigns.jobs import UNITS, Job, Row
+
+CAMPAIGN, ROWS, TABLE = "campaign.json", "rows.jsonl", "tasks.csv"
+SELECTION = "selection"
+"""Key of the settings that only say which rows are wanted."""
+FIELDS = tuple(name for name in Row.__struct_fields__ if name not in ("key", "labels"))
+
+
+class Store:
+    """Finished rows on disk.
+
+    Args:
+        folder: made if need be.
+        about: settings, seed and versions; a folder that holds another campaign is refused.
+
+    Raises:
+        InputError: the folder cannot be written, or holds another campaign.
+    """
+
+    def __init__(self, folder: Path, about: dict[str, Any]) -> None:
+        self.folder = folder
+        self._stream: TextIO | None = None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._claim(about)
+            self.rows = self._read()
+            self._stream = (folder / ROWS).open("a", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
+
+    def add(self, row: Row) -> bool:
+        """Keep a finished row; False if it was there already."""
+        if row.key in self.rows:
+            return False
+        assert self._stream is not None
+        self._stream.write(msgspec.json.encode(row).decode() + "\n")
+        self._stream.flush()
+        self.rows[row.key] = row
+        return True
+
+    def missing(self, jobs: Iterable[Job]) -> list[Job]:
+        """The jobs without a row."""
+        return [job for job in jobs if job.key not in self.rows]
+
+    def ordered(self, jobs: Iterable[Job]) -> list[Row]:
+        """Finished rows in the order of the jobs."""
+        return [self.rows[job.key] for job in jobs if job.key in self.rows]
+
+    def write_table(self, rows: Sequence[Row]) -> Path:
+        """`tasks.csv`: a header with units, a line a run."""
+        path = self.folder / TABLE
+        path.write_text(to_csv(rows), encoding="utf-8")
+        return path
+
+    def close(self) -> None:
+        """Close the file of finished rows."""
+        if self._stream is not None:
+            self._stream.close()
+
+    def _claim(self, about: dict[str, Any]) -> None:
+        path = self.folder / CAMPAIGN
+        text = json.dumps(about, indent=1, sort_keys=True) + "\n"
+        if path.exists():
+            try:
+                found = json.loads(path.read_text(encoding="utf-8"))
+            except ValueError:
+                found = None
+            differs = _difference(found, json.loads(text))
+            if differs:
+                raise InputError(
+                    f"--out {self.folder}: holds another campaign ({differs}); choose another folder"
+                )
+        path.write_text(text, encoding="utf-8")
+
+    def _read(self) -> dict[str, Row]:
+        """Finished rows; a line that was cut off in the middle is dropped, from the file as well."""
+        path = self.folder / ROWS
+        if not path.exists():
+            return {}
+        rows: dict[str, Row] = {}
+        whole = bytearray()
+        for line in path.read_bytes().splitlines(keepends=True):
+            try:
+                row = msgspec.json.decode(line, type=Row)
+            except msgspec.MsgspecError:
+                break
+            if not line.endswith(b"\n"):
+                break
+            rows[row.key] = row
+            whole += line
+        if len(whole) != path.stat().st_size:
+            path.write_bytes(bytes(whole))
+        return rows
+
+
+def source_digest() -> str:
+    """Hash of the code that decides rows: a campaign must not go on with another."""
+    root = Path(__file__).resolve().parents[2]
+    folders = [root / name for name in ("common", "netem", "operator_side", "robot_side")]
+    files = [path for folder in folders for path in folder.rglob("*.py")]
+    files += [root / name for name in ("laboratory/simulation.py", "programs/wiring.py")]
+    files.append(root / "laboratory/campaigns/tasks.py")
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def to_csv(rows: Sequence[Row]) -> str:
+    """CSV text; the same rows give the same bytes."""
+    labels = list(rows[0].labels) if rows else []
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*labels, *(column(name) for name in FIELDS)])
+    for row in rows:
+        writer.writerow(
+            [*(_cell(row.labels[name]) for name in labels), *(_cell(getattr(row, name)) for name in FIELDS)]
+        )
+    return text.getvalue()
+
+
+def column(name: str) -> str:
+    """The name with its unit: `duration [s]`."""
+    return f"{name} [{UNITS[name]}]" if name in UNITS else name
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, float):
+        return repr(value)
+    if isinstance(value, list | tuple):
+        return json.dumps(value)
+    return value
+
+
+def _difference(found: Any, wanted: dict[str, Any]) -> str:
+    """The first setting that differs, in words; empty if none does, which rows are wanted aside."""
+    if not isinstance(found, dict):
+        return f"{CAMPAIGN} is unreadable"
+    for key in sorted({*found, *wanted} - {SELECTION}):
+        a, b = found.get(key), wanted.get(key)
+        if isinstance(a, dict) and isinstance(b, dict) and a != b:
+            return f"{key}: {_difference(a, b)}"
+        if a != b:
+            return f"{key} was {_short(a)}, now {_short(b)}"
+    return ""
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,293 @@
+"""Feeds a recorded run through the operator's node again: the same decisions to the byte, or another
+controller's on the same input.
+
+What another controller would have decided is asked tick by tick: every tick begins from the commands that
+the robot really got, as its recorded answers follow from those.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from farhand.common.errors import InputError, RunFileError
+from farhand.common.geometry import norm
+from farhand.common.link.link import Packet
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.recording.recorder import RecordedRun, TickRecord, read_run
+from farhand.common.scenario import Scenario, replace_setting, scenario_from_table
+from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.steering.device import SteeringInput
+from farhand.programs.wiring import make_operator, versions
+
+RECORDING = "run.mcap"
+SECTIONS = ("controller", "margin", "operator", "robot.lag")
+"""Settings that a replay can change: those of the deciding side."""
+
+
+class RecordedLink:
+    """Hands over what was recorded for the tick, keeps what is sent."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Packet] = []
+        self.sent: bytes | None = None
+
+    def send(self, packet: Packet) -> None:
+        """See Link."""
+        self.sent = packet.payload
+
+    def receive(self) -> list[Packet]:
+        """See Link."""
+        packets, self.waiting = self.waiting, []
+        return packets
+
+
+class RecordedSteering:
+    """Wants what was wanted in the run, whatever device it was that steered."""
+
+    def __init__(self) -> None:
+        self.report: ControlReport | None = None
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """See SteeringDevice."""
+        return (self.report.target_index, self.report.target_count) if self.report else (0, 0)
+
+    @property
+    def finished(self) -> bool:
+        """See SteeringDevice."""
+        reached, count = self.progress
+        return count > 0 and reached >= count
+
+    def read(self, state: RobotState, scene: Scene, now_ns: int) -> SteeringInput:
+        """See SteeringDevice."""
+        if self.report is None:
+            return SteeringInput()
+        mode = self.report.mode
+        return SteeringInput(
+            self.report.desired,
+            engaged=mode == "run",
+            acknowledge=mode == "acknowledge",
+            estop=mode == "estop",
+        )
+
+
+@dataclass(frozen=True)
+class Tick:
+    """Attributes:
+    now_ns: beginning of the tick, operator's clock.
+    recorded, decided: the report of then and of now.
+    identical: command and report are the same to the byte.
+    """
+
+    now_ns: int
+    recorded: ControlReport
+    decided: ControlReport
+    identical: bool
+
+    @property
+    def difference(self) -> float:
+        """Of the two velocities (m/s)."""
+        pairs = zip(self.recorded.filtered, self.decided.filtered, strict=True)
+        return norm(a - b for a, b in pairs)
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Attributes:
+    run: as recorded.
+    scenario: with the replacements.
+    changed: whether anything was replaced.
+    ticks: in order.
+    """
+
+    run: RecordedRun
+    scenario: Scenario
+    changed: bool
+    ticks: list[Tick]
+
+    @property
+    def identical(self) -> bool:
+        """Whether every decision is."""
+        return all(tick.identical for tick in self.ticks)
+
+    @property
+    def first_difference(self) -> Tick | None:
+        """The first tick that is not identical."""
+        return next((tick for tick in self.ticks if not tick.identical), None)
+
+    def other_versions(self) -> dict[str, tuple[str, str]]:
+        """What was installed then and is another version now."""
+        now = versions()
+        then = self.run.info.versions
+        return {name: (then[name], now.get(name, "absent")) for name in then if then[name] != now.get(name)}
+
+
+def find_recording(path: Path) -> Path:
+    """The recording in a run's folder, or the file itself; raises RunFileError."""
+    if path.is_dir():
+        path = path / RECORDING
+    if not path.is_file():
+        raise RunFileError(f"run {path}: no such file; expected a run's folder or its {RECORDING}")
+    return path
+
+
+def replay(
+    path: Path, settings: dict[str, object] | None = None, controller: Controller | None = None
+) -> Replay:
+    """Run a recording through the operator's node.
+
+    Args:
+        path: a run's folder or its file.
+        settings: replacements by dotted key, of the deciding side only.
+        controller: in place of the scenario's.
+
+    Raises:
+        InputError: the file is not readable at all, or a setting makes no sense in a replay.
+    """
+    run = read_run(find_recording(path))
+    scenario = _scenario(run, path, settings or {})
+    changed = bool(settings) or controller is not None
+    link, steering = RecordedLink(), RecordedSteering()
+    reports, commands = Decoder(ControlReport), Decoder(VelocityCommand)
+    if controller is None:
+        controller = make_controller(scenario.controller)
+    controller.prepare()
+    readings: list[float] = []
+    node = make_operator(
+        scenario,
+        link,
+        run.info.robot,
+        run.info.session,
+        controller,
+        lambda: readings.pop(),
+        steering,
+        run.info.operator,
+    )
+    ticks = []
+    for number, record in enumerate(run.ticks):
+        recorded = reports.decode(record.report)
+        if recorded is None:
+            raise RunFileError(f"run {path}: tick {number}: unreadable report: {reports.last_refusal}")
+        readings[:] = [recorded.solve_time, 0.0]  # the stopwatch reads as it did then
+        steering.report = recorded
+        command = None if record.command is None else commands.decode(record.command)
+        if command is not None and command.successor:
+            node.hand_over(command.successor)
+        link.waiting, link.sent = _packets(record), None
+        node.step(record.now_ns)
+        if node.report is None:
+            raise RunFileError(f"run {path}: tick {number}: its instants are not those of a control loop")
+        same = link.sent == record.command and encode(node.report) == record.report
+        ticks.append(Tick(record.now_ns, recorded, node.report, same))
+        if changed and command is not None:
+            node.correct(command)
+    return Replay(run, scenario, changed, ticks)
+
+
+def _scenario(run: RecordedRun, path: Path, settings: dict[str, object]) -> Scenario:
+    scenario = scenario_from_table(run.info.scenario, f"of run {path}")
+    if run.info.solver and "controller.solver" not in settings:
+        scenario = replace_setting(scenario, "controller.solver", run.info.solver)
+    for key, value in settings.items():
+        if key == "controller.period":
+            raise InputError("--set controller.period: a replay keeps the instants of the recorded ticks")
+        if not any(key == section or key.startswith(f"{section}.") for section in SECTIONS):
+            raise InputError(
+                f"--set {key}: has no influence on decisions in a replay; can be of {', '.join(SECTIONS)}"
+            )
+        scenario = replace_setting(scenario, key, value)
+    return scenario
+
+
+def _packets(record: TickRecord) -> list[Packet]:
+    return [Packet(key, payload, arrived_ns) for key, arrived_ns, payload in record.packets]
+
+
+def differing_fields(tick: Tick) -> list[str]:
+    """Names of the report's fields that differ."""
+    names = tick.recorded.__struct_fields__
+    return [n for n in names if getattr(tick.recorded, n) != getattr(tick.decided, n)]
+
+
+def side_by_side(result: Replay) -> list[tuple[str, str, str]]:
+    """What was decided then and now: name, recorded, decided."""
+    then = [tick.recorded for tick in result.ticks]
+    now = [tick.decided for tick in result.ticks]
+    return [(name, _of(then, name), _of(now, name)) for name in MEASURES]
+
+
+MEASURES = (
+    "ticks that intervene",
+    "ticks without a plan that meets all",
+    "mean commanded speed (m/s)",
+    "largest sigma (m)",
+    "mean sigma (m)",
+    "largest inflation (m)",
+    "mean inflation (m)",
+)
+
+
+def _of(reports: list[ControlReport], measure: str) -> str:
+    running = [r for r in reports if r.mode == "run"]
+    if measure.startswith("ticks that"):
+        return str(sum(r.intervening for r in reports))
+    if measure.startswith("ticks without"):
+        return str(sum(r.status not in ("optimal", "shortcut", "idle") for r in reports))
+    values = [_value(r, measure) for r in running]
+    if not values:
+        return "–"
+    return f"{max(values) if measure.startswith('largest') else sum(values) / len(values):.4f}"
+
+
+def _value(report: ControlReport, measure: str) -> float:
+    if "sigma" in measure:
+        return report.sigma
+    if "inflation" in measure:
+        return report.inflation
+    return norm(report.filtered)
+
+
+def to_csv(result: Replay) -> str:
+    """A line a tick: what was decided then and now."""
+    axes = "xyz"
+    names = ["time [s]", "mode", *(f"desired_{a} [m/s]" for a in axes)]
+    for who in ("recorded", "decided"):
+        names += [*(f"{who}_{a} [m/s]" for a in axes), f"{who}_sigma [m]", f"{who}_inflation [m]"]
+        names += [f"{who}_status", f"{who}_binding"]
+    lines = [",".join(names)]
+    origin_ns = result.ticks[0].now_ns if result.ticks else 0
+    for tick in result.ticks:
+        cells = [repr((tick.now_ns - origin_ns) * 1e-9), tick.recorded.mode, *_floats(tick.recorded.desired)]
+        for report in (tick.recorded, tick.decided):
+            cells += [*_floats(report.filtered), repr(report.sigma), repr(report.inflation)]
+            cells += [report.status, report.binding]
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
+
+
+def _floats(vector: Vector3) -> list[str]:
+    return [repr(value) for value in vector]
+
+
+def to_json(result: Replay) -> str:
+    """One line of JSON for programs."""
+    first = result.first_difference
+    return msgspec.json.encode(
+        {
+            "ticks": len(result.ticks),
+            "identical": sum(tick.identical for tick in result.ticks),
+            "complete": result.run.complete,
+            "changed": result.changed,
+            "largest_difference": max((tick.difference for tick in result.ticks), default=0.0),
+            "first_difference_ns": None if first is None else first.now_ns,
+            "side_by_side": {name: [then, now] for name, then, now in side_by_side(result)},
+            "other_versions": result.other_versions(),
+        }
+    ).decode()

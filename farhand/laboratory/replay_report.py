@@ -1,0 +1,63 @@
+"""`farhand replay`: what it prints and how it ends."""
+
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from farhand.common.errors import InputError
+from farhand.laboratory.replay import Replay, differing_fields, replay, side_by_side, to_csv, to_json
+
+
+def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_json: bool) -> int:
+    """Replay and say what came out; returns 1 when decisions differ though nothing was changed, else 0."""
+    console = Console(file=sys.stderr if as_json else sys.stdout, highlight=False)
+    result = replay(path, settings)
+    if not result.run.complete:
+        console.print(
+            f"the file was cut off: {len(result.ticks)} whole ticks are readable of its {result.run.size} bytes",
+            style="yellow",
+        )
+    if result.changed:
+        _compare(result, console)
+    else:
+        _verify(result, console)
+    if out is not None:
+        try:
+            out.write_text(to_csv(result), encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"--out {out}: cannot be written: {error.strerror}") from None
+    if as_json:
+        print(to_json(result), flush=True)
+    return 0 if result.changed or result.identical else 1
+
+
+def _verify(result: Replay, console: Console) -> None:
+    first = result.first_difference
+    n = len(result.ticks)
+    if first is None:
+        console.print(f"all {n} decisions are identical to the byte", style="green")
+        return
+    same = sum(tick.identical for tick in result.ticks)
+    index = result.ticks.index(first)
+    fields = ", ".join(differing_fields(first)) or "the command's bytes"
+    console.print(f"{same} of {n} decisions are identical; the first other one is tick {index}: {fields}")
+    for name, (then, now) in result.other_versions().items():
+        console.print(f"recorded with {name} {then}, this is {now}", style="yellow")
+
+
+def _compare(result: Replay, console: Console) -> None:
+    table = Table(caption="each tick begins from the commands that the robot really got")
+    for heading in ("", "recorded", "decided now"):
+        table.add_column(heading, justify="left" if not heading else "right")
+    for texts in side_by_side(result):
+        table.add_row(*texts)
+    console.print(table)
+    other = [tick for tick in result.ticks if tick.difference > 1e-3]
+    line = f"{len(other)} of {len(result.ticks)} velocities differ by more than 1 mm/s"
+    if other:
+        most = max(other, key=lambda tick: tick.difference)
+        since = (most.now_ns - result.ticks[0].now_ns) * 1e-9
+        line += f", at most by {most.difference:.3f} m/s, {since:.1f} s after the first tick"
+    console.print(line)

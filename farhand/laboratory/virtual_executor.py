@@ -1,0 +1,101 @@
+"""Many nodes in one process under a virtual clock: the same seed gives the same bytes.
+
+One heap ordered by (time, priority, counter). A node that computes is charged a modelled time: what it
+sends leaves that much later, and it is not woken again before.
+"""
+
+import heapq
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+from farhand.common.link.link import MemoryLink, Packet, memory_wire
+from farhand.common.timing.clock import VirtualClock
+from farhand.common.timing.executor import Node
+
+
+class Priority(IntEnum):
+    """Order of events at the same instant."""
+
+    ROBOT = 0
+    NETEM = 1
+    OPERATOR = 2
+
+
+@dataclass(slots=True)
+class _Slot:
+    node: Node
+    priority: Priority
+    computing_time: Callable[[], int] | None
+    wake: Callable[[int], None]
+    wake_ns: int | None = None
+    busy_until_ns: int = 0
+
+
+class VirtualExecutor:
+    """Event-driven executor over integer nanoseconds."""
+
+    def __init__(self, start_ns: int = 0) -> None:
+        self.clock = VirtualClock(start_ns)
+        self.events = 0
+        self._heap: list[tuple[int, int, int, Callable[[int], None]]] = []
+        self._counter = 0
+        self._send_ns = start_ns
+        self._send_priority = Priority.ROBOT
+        self._slots: list[_Slot] = []
+
+    def add(self, node: Node, priority: Priority, computing_time: Callable[[], int] | None = None) -> None:
+        """Add a node; its first step is now. `computing_time` models each step's duration (ns)."""
+        slot = _Slot(node, priority, computing_time, lambda now_ns: self._step(slot, now_ns))
+        self._wake(slot, self.clock.now_ns())
+        self._slots.append(slot)
+
+    def wire(self) -> tuple[MemoryLink, MemoryLink]:
+        """Two joined link ends whose deliveries honour the sender's computing time."""
+        return memory_wire(self._transmit)
+
+    def wake_on_message(self, node: Node, link: MemoryLink) -> None:
+        """Step `node` whenever a packet arrives at `link`."""
+        slot = next(s for s in self._slots if s.node is node)
+        link.on_arrival = lambda now_ns: self._wake(slot, now_ns)
+
+    def call_at(self, instant_ns: int, priority: Priority, call: Callable[[int], None]) -> None:
+        """Call `call(now_ns)` at the given instant."""
+        self._counter += 1
+        heapq.heappush(self._heap, (instant_ns, priority, self._counter, call))
+
+    def run_until(self, end_ns: int, finished: Callable[[], bool] | None = None) -> None:
+        """Process events up to and including `end_ns`, or until `finished()` holds after an event."""
+        while self._heap and self._heap[0][0] <= end_ns:
+            instant_ns, _, _, call = heapq.heappop(self._heap)
+            self.clock.advance_to(instant_ns)
+            self.events += 1
+            call(instant_ns)
+            if finished is not None and finished():
+                return
+        self.clock.advance_to(max(end_ns, self.clock.now_ns()))
+
+    def _wake(self, slot: _Slot, instant_ns: int) -> None:
+        instant_ns = max(instant_ns, slot.busy_until_ns)
+        if slot.wake_ns is not None and slot.wake_ns <= instant_ns:
+            return
+        slot.wake_ns = instant_ns
+        self.call_at(instant_ns, slot.priority, slot.wake)
+
+    def _step(self, slot: _Slot, now_ns: int) -> None:
+        if slot.wake_ns != now_ns:
+            return  # superseded by an earlier wake-up
+        slot.wake_ns = None
+        cost = slot.computing_time() if slot.computing_time is not None else 0
+        slot.busy_until_ns = now_ns + cost
+        self._send_ns, self._send_priority = slot.busy_until_ns, slot.priority
+        next_ns = slot.node.step(now_ns)
+        self._send_ns = now_ns
+        if next_ns is not None:
+            self._wake(slot, next_ns)
+
+    def _transmit(self, receiver: MemoryLink, packet: Packet) -> None:
+        if self._send_ns <= self.clock.now_ns():
+            receiver.deliver(packet, self.clock.now_ns())
+        else:
+            self.call_at(self._send_ns, self._send_priority, lambda now_ns: receiver.deliver(packet, now_ns))

@@ -1,0 +1,1 @@
+"""The programs: sessions, links, nodes, results at the end."""

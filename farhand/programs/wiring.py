@@ -1,0 +1,70 @@
+"""One wiring for both worlds: the three nodes are made here for the programs and for virtual time alike."""
+
+import importlib.metadata
+import platform
+from collections.abc import Callable
+
+from farhand.common.link.link import Link
+from farhand.common.scenario import Scenario
+from farhand.common.seeds import stream
+from farhand.netem.netem_node import NetemNode
+from farhand.netem.spec import parse_spec
+from farhand.netem.timeline import load_timeline
+from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.operator_node import OperatorNode
+from farhand.operator_side.steering.device import SteeringDevice
+from farhand.operator_side.steering.tester import Tester
+from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.robots.robot import Robot
+
+OPERATOR_NAME = "operator"
+"""The operator's name in virtual time and in the demo, whoever runs them."""
+
+
+def session_of(seed: int, side: str) -> int:
+    """A session for virtual time; programs draw theirs from the operating system."""
+    return int(stream(seed, "session", side).integers(1, 1 << 62))
+
+
+def make_operator(
+    scenario: Scenario,
+    link: Link,
+    name: str,
+    session: int,
+    controller: Controller,
+    stopwatch: Callable[[], float] | None = None,
+    device: SteeringDevice | None = None,
+    operator: str = OPERATOR_NAME,
+) -> OperatorNode:
+    """The operator's node with the paper's tester or another device; `controller` is prepared already."""
+    device = Tester(scenario.operator) if device is None else device
+    return OperatorNode(scenario, controller, device, link, name, session, stopwatch, operator)
+
+
+def make_netem(
+    operator_link: Link, robot_link: Link, uplink: str, downlink: str, seed: int, timeline: str | None = None
+) -> NetemNode:
+    """The emulated network between two links, from SPECs and the file of a timeline of changes."""
+    schedule = load_timeline(timeline) if timeline else None
+    specs = parse_spec(uplink), parse_spec(downlink)
+    return NetemNode(operator_link, robot_link, *specs, seed, schedule=schedule)
+
+
+def make_robot_node(
+    scenario: Scenario, link: Link, name: str, session: int, robot: Robot | None = None
+) -> RobotNode:
+    """The robot's node with the scenario's robot, or with another one."""
+    return RobotNode(scenario, make_robot(scenario) if robot is None else robot, link, name, session)
+
+
+def versions() -> dict[str, str]:
+    """Versions of what decides results."""
+    names = ("farhand", "numpy", "numba", "casadi", "daqp", "pybullet", "pin", "eclipse-zenoh", "msgspec")
+    found = {"python": platform.python_version()}
+    for name in names:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "absent"
+    return found

@@ -1,0 +1,1 @@
+"""Tools for a site: certificates, doctor, robots, tap, handover."""

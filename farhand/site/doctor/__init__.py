@@ -1,0 +1,1 @@
+"""What is wrong on the path to a robot, and what to do about it."""

@@ -1,0 +1,1 @@
+"""Trials of the whole stack on hosts in network namespaces."""

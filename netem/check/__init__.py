@@ -1,0 +1,1 @@
+"""The emulator asked whether it did what it drew."""

@@ -1,0 +1,1 @@
+"""What the emulator did, counted and written down."""

@@ -1,0 +1,107 @@
+"""Round trips, measured from the echoes that pass through: command in, ..., state that echoes it out.
+
+RTT = (state leaves the emulator) - (command reached it) - (the robot's hold). Both instants are the
+emulator's own; no two clocks are compared. It is the emulated network plus the real way to the robot and
+back, without the operator's own link.
+"""
+
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import msgspec
+
+from farhand.common.messages.base import Echo
+from farhand.netem.measure.statistics import Histogram
+
+KEPT = 4096
+MAX_ROBOTS = 256
+
+
+class _Stamps(msgspec.Struct):
+    """The few fields of any message that matter here; all others are passed over."""
+
+    session: int
+    seq: int
+    echo: Echo | None = None
+
+
+@dataclass(slots=True)
+class CommandMark:
+    """A command on its way.
+
+    Attributes:
+        arrived_ns: when it reached the emulator.
+        delivered: whether it has left for the robot.
+    """
+
+    arrived_ns: int
+    delivered: bool = False
+
+
+@dataclass(slots=True)
+class EchoMark:
+    """A state on its way back.
+
+    Attributes:
+        command: what it echoes.
+        hold_ns: how long the robot had it.
+    """
+
+    command: CommandMark
+    hold_ns: int
+
+
+class RoundTrips:
+    """Round trips of one robot.
+
+    Attributes:
+        rtt: of the network between command and state.
+        bypassed: states that echo a command which the emulator had not let through.
+    """
+
+    def __init__(self) -> None:
+        self.rtt = Histogram()
+        self.bypassed = 0
+        self._decoder = msgspec.msgpack.Decoder(_Stamps)
+        self._commands: OrderedDict[tuple[int, int], CommandMark] = OrderedDict()
+        self._session, self._newest = -1, -1
+
+    def command(self, payload: bytes, arrived_ns: int) -> CommandMark | None:
+        """Note a command that came in; None if it is not readable."""
+        stamps = self._decode(payload)
+        if stamps is None:
+            return None
+        mark = CommandMark(arrived_ns)
+        self._commands[stamps.session, stamps.seq] = mark
+        if stamps.session != self._session:
+            self._session, self._newest = stamps.session, stamps.seq
+        self._newest = max(self._newest, stamps.seq)
+        if len(self._commands) > KEPT:
+            self._commands.popitem(last=False)
+        return mark
+
+    def echo(self, payload: bytes) -> EchoMark | None:
+        """Note a message from the robot; None if it echoes no command that is known."""
+        stamps = self._decode(payload)
+        if stamps is None or stamps.echo is None:
+            return None
+        echo = stamps.echo
+        mark = self._commands.get((echo.session, echo.seq))
+        if mark is None:
+            if echo.session == self._session and echo.seq > self._newest:
+                self.bypassed += 1
+            return None
+        if not mark.delivered:
+            self.bypassed += 1
+            return None
+        return EchoMark(mark, echo.hold_ns)
+
+    def returned(self, mark: EchoMark, now_ns: int) -> None:
+        """The message with this echo has left for the operator."""
+        self.rtt.add(max(0, now_ns - mark.command.arrived_ns - mark.hold_ns))
+
+    def _decode(self, payload: bytes) -> _Stamps | None:
+        try:
+            return self._decoder.decode(payload)
+        except (msgspec.MsgspecError, ValueError, RecursionError, OverflowError):
+            return None

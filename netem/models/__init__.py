@@ -1,0 +1,1 @@
+"""Seeded models of a network's delay, fitted and named."""

@@ -1,0 +1,1 @@
+"""Recorded delays: read, measure, summarise, replay."""

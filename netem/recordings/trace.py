@@ -1,0 +1,238 @@
+"""Recorded delays: read, summarise, replay.
+
+A trace of round trips is split into directions by a share: `uplink_share` of each delay goes to the
+uplink, the rest to the downlink. A lost round trip is a time at which the path was down, in both
+directions: nobody can tell which way the message was lost.
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from farhand.common.errors import TraceError
+from farhand.common.timing.clock import to_ns
+from farhand.netem.recordings.formats import READERS
+from farhand.netem.recordings.formats.base import MAX_SAMPLES, UNITS, Kind, ReadOptions, Samples, TraceText
+from farhand.netem.recordings.replay import AtEnd, DelaySampler, TimedReplay, UntimedReplay
+
+Gap = Literal["loss", "delay", "ignore"]
+
+MAX_BYTES = 256_000_000
+PAUSE = 30.0
+"""A silence longer than this (s) is taken for a pause of the recording, and cut out."""
+GAP_FACTOR = 1.75
+"""Messages are missing where the next comes later than this many median intervals; less is a late sender."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Recorded delays.
+
+    Attributes:
+        recorded: delays as recorded (n,) (s); NaN = lost.
+        times: instants of sending since the first (n,) (s), or None.
+        period: spacing of evenly spaced samples (s), or None.
+        kind: whether `recorded` holds one-way delays or round trips.
+        provenance: where the recording comes from, as far as the file says.
+        gap: what a lost message means in a replay: "loss"; "delay" holds messages until the next that
+            arrived and so lets them come in one burst, as TCP does; "ignore" is "loss" for samples marked
+            as lost, and takes missing rows for no news: the last sample stays in force.
+        at_end: "wrap" (again from the start), "stop" (every later message is lost) or "hold" (last sample).
+        uplink_share: part of a round trip that the uplink carries.
+    """
+
+    recorded: NDArray[np.float64]
+    times: NDArray[np.float64] | None
+    period: float | None
+    kind: Kind
+    provenance: str
+    gap: Gap = "loss"
+    at_end: AtEnd = "wrap"
+    uplink_share: float = 0.5
+
+    @property
+    def delays(self) -> NDArray[np.float64]:
+        """Delays of the uplink (n,) (s); NaN = lost."""
+        return self.delays_of("uplink")
+
+    def delays_of(self, direction: str) -> NDArray[np.float64]:
+        """Delays of one direction (n,) (s); NaN = lost. Direction: "uplink" or "downlink"."""
+        if self.kind == "one-way":
+            return self.recorded
+        return self.recorded * (self.uplink_share if direction == "uplink" else 1.0 - self.uplink_share)
+
+    @property
+    def duration(self) -> float | None:
+        """Time until the last sample is over (s); None if the samples have no times."""
+        if self.times is not None:
+            return float(self.times[-1]) + self._interval()
+        return None if self.period is None else self.period * len(self.recorded)
+
+    def _interval(self) -> float:
+        """Median interval between samples (s); 1 s for a single one, whose own length nobody knows."""
+        if self.times is None or len(self.times) < 2:
+            return self.period or 1.0
+        return max(float(np.median(np.diff(self.times))), 1e-6)
+
+    def sampler(self, direction: str, rng: np.random.Generator | None = None) -> DelaySampler:
+        """A replay for one direction ("uplink" or "downlink").
+
+        `rng` is taken as all samplers take one; a replay draws nothing from it.
+        """
+        delays = self.delays_of(direction).tolist()
+        if self.duration is None:
+            return UntimedReplay(delays, self.at_end)
+        if self.times is not None:
+            starts = [to_ns(instant) for instant in self.times.tolist()]
+        else:
+            starts = [to_ns(index * (self.period or 0.0)) for index in range(len(delays))]
+        return TimedReplay(
+            starts, delays, max(to_ns(self.duration), starts[-1] + 1), self.at_end, self.gap == "delay"
+        )
+
+    def summary(self) -> dict[str, float | int | str | None]:
+        """Statistics as recorded: samples, lost, loss (fraction), mean, std, min, p50 to p99.9, max (s)."""
+        arrived = self.recorded[~np.isnan(self.recorded)]
+        lost = len(self.recorded) - len(arrived)
+        result: dict[str, float | int | str | None] = {
+            "kind": self.kind,
+            "provenance": self.provenance,
+            "samples": len(self.recorded),
+            "lost": lost,
+            "loss": lost / len(self.recorded),
+            "duration": self.duration,
+        }
+        if len(arrived):
+            result["mean"], result["std"] = float(arrived.mean()), float(arrived.std())
+            for name, percent in QUANTILES.items():
+                result[name] = float(np.percentile(arrived, percent))
+        return result
+
+
+QUANTILES = {"min": 0, "p5": 5, "p50": 50, "p95": 95, "p99": 99, "p99.9": 99.9, "max": 100}
+
+
+def load_trace(
+    path: str | Path,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    column: str | None = None,
+    period: float | None = None,
+    kind: Kind | None = None,
+    gap: Gap = "loss",
+    at_end: AtEnd = "wrap",
+    uplink_share: float = 0.5,
+) -> Trace:
+    """Read a trace of delays.
+
+    Args:
+        path: the file.
+        format: csv, ping, irtt, cicv5g or slots; None looks at the content.
+        unit: of the delays (s, ms, us, ns), where the file does not say it or says it wrong.
+        column: the delay's column by name, or by number from 1.
+        period: of evenly spaced samples, and of slots (s).
+        kind: "one-way" or "round-trip", where the file and its format do not say it.
+        gap: what a lost message means; see Trace.
+        at_end: what comes after the last sample; see Trace.
+        uplink_share: part of a round trip that the uplink carries, 0 to 1.
+
+    Raises:
+        TraceError: one line that names the file, the line's number and what is wrong with it.
+    """
+    name = str(path)
+    for word, value, allowed in (
+        ("format", format, (None, *READERS)),
+        ("unit", unit, (None, *UNITS)),
+        ("kind", kind, (None, "one-way", "round-trip")),
+        ("gap", gap, ("loss", "delay", "ignore")),
+        ("at_end", at_end, ("wrap", "stop", "hold")),
+    ):
+        if value not in allowed:
+            known = ", ".join(str(choice) for choice in allowed if choice)
+            raise TraceError(f"trace {name}: {word} {value!r} is unknown; one of {known}")
+    if not 0.0 <= uplink_share <= 1.0:
+        raise TraceError(f"trace {name}: the uplink's share is {uplink_share}; it must lie in 0 to 1")
+    if period is not None and not (math.isfinite(period) and period > 0):
+        raise TraceError(f"trace {name}: the period is {period} s; it must be positive")
+    text = read_text(path)
+    format = format or detect_format(text)
+    samples = READERS[format][1](text, ReadOptions(unit, column, period, kind))
+    if not samples.delays:
+        text.fail("no samples")
+    if len(samples.delays) > MAX_SAMPLES:
+        text.fail(f"{len(samples.delays)} samples; at most {MAX_SAMPLES} can be read")
+    recorded = np.array(samples.delays, dtype=np.float64)
+    if np.isnan(recorded).all():
+        text.fail("every message is lost; a trace needs at least one delay")
+    times = None
+    if samples.times is not None:
+        recorded, times = _without_gaps(samples, recorded, gap, text)
+    elif gap == "delay" and samples.period is None and np.isnan(recorded).any():
+        text.fail("holding lost messages (gap=delay) needs the times or the period of the samples")
+    return Trace(recorded, times, samples.period, samples.kind, samples.provenance, gap, at_end, uplink_share)
+
+
+def read_text(path: str | Path) -> TraceText:
+    """The lines of a text file; raises TraceError if it cannot be read, is empty or is no text."""
+    name = str(path)
+    try:
+        with open(path, "rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise TraceError(f"trace {name}: cannot be read: {reason}") from None
+    if len(content) > MAX_BYTES:
+        raise TraceError(f"trace {name}: larger than {MAX_BYTES // 1_000_000} MB")
+    try:
+        decoded = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise TraceError(f"trace {name}, line {line}: not text (UTF-8)") from None
+    text = TraceText(name, decoded.replace("\r\n", "\n").replace("\r", "\n").split("\n"))
+    if "\0" in decoded:
+        text.fail("not text: a zero byte", decoded.count("\n", 0, decoded.index("\0")) + 1)
+    if not decoded.strip():
+        text.fail("the file is empty")
+    return text
+
+
+def detect_format(text: TraceText) -> str:
+    """Name of the first format that the text looks like; raises TraceError if there is none."""
+    for name, (matches, _) in READERS.items():
+        if matches(text):
+            return name
+    line = next(index for index, content in enumerate(text.lines, start=1) if content.strip())
+    text.fail(f"unknown format, {text.excerpt(line)}; one of {', '.join(READERS)}", line)
+
+
+def _without_gaps(
+    samples: Samples, recorded: NDArray[np.float64], gap: Gap, text: TraceText
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Delays and times with missing rows filled in as lost, and with pauses of the recording cut out."""
+    times = np.array(samples.times, dtype=np.float64)
+    times -= times[0]
+    if len(times) < 3:
+        return recorded, times
+    intervals = np.diff(times)
+    step = float(np.median(intervals))
+    if step <= 0:
+        return recorded, times
+    longest = max(PAUSE, 10 * step)
+    paused = intervals > longest
+    intervals = np.where(paused, step, intervals)
+    times = np.concatenate([[0.0], np.cumsum(intervals)])
+    missed = np.floor(intervals / step + 2 - GAP_FACTOR).astype(np.int64) - 1
+    missing = np.where(intervals > GAP_FACTOR * step, missed, 0)
+    if gap == "ignore" or not missing.any():
+        return recorded, times
+    if len(recorded) + missing.sum() > MAX_SAMPLES:
+        text.fail(f"{int(missing.sum())} messages are missing between the times; read it with gap=ignore")
+    at = np.repeat(np.arange(len(missing)), missing)
+    rank = np.concatenate([np.arange(1, count + 1) for count in missing[missing > 0]])
+    filled_times = times[at] + rank * intervals[at] / (missing[at] + 1)
+    return np.insert(recorded, at + 1, np.nan), np.insert(times, at + 1, filled_times)

@@ -1,0 +1,14 @@
+"""Baseline: MPC with plain distance constraints h_j(x_i) >= sigma_j, no barrier decay."""
+
+from msgspec import structs
+
+from farhand.common.scenario import ControllerSettings
+
+
+def distance_settings(settings: ControllerSettings) -> ControllerSettings:
+    """Settings with which any MPC-CBF solver keeps distances only.
+
+    With gamma = 1 the row h(x_{i+1}) - sigma >= omega (1 - gamma) h(x_i) is h(x_{i+1}) >= sigma, hard, and
+    omega costs nothing.
+    """
+    return structs.replace(settings, gamma=1.0)

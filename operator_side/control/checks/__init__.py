@@ -1,0 +1,1 @@
+"""What is done before and after every solve, whatever the solver."""

@@ -1,0 +1,92 @@
+"""What the operator commands for each way in which a solve can end. docs/solver.md, "What is commanded"."""
+
+import numpy as np
+
+from farhand.common.geometry import Array
+from farhand.common.scenario import ControllerSettings
+from farhand.operator_side.control import barrier as rows
+from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+
+NEAR = 2e-5  # m^2: closer than this to the margin counts as on it; a solver keeps its rows to half of this
+_NO_PLAN = {
+    Status.BAD_INPUT: "input not finite",
+    Status.FAILED: "solver failed",
+}
+_REASON = {
+    Status.OPTIMAL: "inside a margin",
+    Status.SHORTCUT: "inside a margin",
+    Status.ELASTIC: "a constraint had to give",
+    Status.CAPPED: "solver ran out of iterations",
+    Status.INFEASIBLE: "no velocity within the limits keeps the margin",
+}
+
+
+def safe_plan(
+    problem: ControlProblem, solution: ControlSolution, settings: ControllerSettings
+) -> tuple[Array, str]:
+    """The (N, 3) plan to be sent (m/s), and the reason where it is not the solution's own (else empty).
+
+    A good plan is sent as it is, unless it starts inside a margin. Any other plan is sent up to the first
+    step that could drive deeper in (see harmless_steps), from there on it stands still: the robot plays out
+    the rest of a plan when commands stop. BAD_INPUT and FAILED stand still. The pass-through baseline is
+    left alone.
+    """
+    if solution.status in _NO_PLAN:
+        return zero_plan(settings), _NO_PLAN[solution.status]
+    if settings.kind == "pass-through":
+        return solution.plan, ""
+    good = solution.status.good
+    if good and not _starts_inside(problem):
+        return solution.plan, ""
+    if not rows.input_is_good(problem) or not np.all(np.isfinite(solution.plan)):
+        return zero_plan(settings), _NO_PLAN[Status.BAD_INPUT]
+    steps = harmless_steps(problem, solution.plan, settings.period, 1.0 if good else settings.gamma)
+    if steps == len(solution.plan):
+        return solution.plan, ""
+    plan = solution.plan.copy()
+    plan[steps:] = 0.0
+    what = "stopped" if steps == 0 else f"plan cut after {steps} steps"
+    return plan, f"{_REASON[solution.status]}: {what}"
+
+
+def harmless_steps(problem: ControlProblem, plan: Array, dt: float, gamma: float) -> int:
+    """How many steps of the plan do not drive deeper into any margin.
+
+    Step i with obstacle j, d = x_i - p_j(i):
+        inside (h < sigma): h must not fall anywhere along the step;
+        outside: h(x_{i+1}) - sigma >= (1 - gamma) (h(x_i) - sigma), so that h stays above sigma;
+        either way a step is allowed that is nowhere nearer than standing still, for the obstacle may move.
+
+    Args:
+        problem: the tick's problem.
+        plan: (N, 3), m/s.
+        dt: length of a step (s).
+        gamma: decay rate outside; 1 demands h >= sigma only.
+    """
+    if not len(problem.radii):
+        return len(plan)
+    positions = rows.path(problem, plan, dt)
+    stage = np.arange(len(plan))[:, None] * dt
+    away = positions[None, :-1] - problem.centres[:, None] - stage * problem.velocities[:, None]
+    motion = plan[None] - problem.velocities[:, None]
+    square = problem.radii[:, None] ** 2 + problem.sigmas[:, None]
+    room = np.sum(away**2, axis=2) - square  # h(x_i) - sigma
+    room_next = np.sum((away + dt * motion) ** 2, axis=2) - square
+    room_standing = np.sum((away - dt * problem.velocities[:, None]) ** 2, axis=2) - square
+    closing = np.sum(away * motion, axis=2)  # half the rate of h at the start of the step
+    closing_standing = -np.sum(away * problem.velocities[:, None], axis=2)
+
+    inside = room < -NEAR
+    # h is a parabola in time: a rate that is not negative at the start keeps it from falling
+    keeps = (closing >= np.minimum(0.0, closing_standing) - 1e-12) & (
+        room_next >= np.minimum(room, room_standing) - 1e-12
+    )
+    holds = room_next >= np.minimum((1.0 - gamma) * np.maximum(room, 0.0) - NEAR, room_standing)
+    fine = np.all(np.where(inside, keeps, holds), axis=0)
+    return len(plan) if fine.all() else int(np.argmin(fine))
+
+
+def _starts_inside(problem: ControlProblem) -> bool:
+    away = problem.position - problem.centres
+    room = np.einsum("jk,jk->j", away, away) - problem.radii**2 - problem.sigmas
+    return bool((room < -NEAR).any())

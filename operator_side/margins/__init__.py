@@ -1,0 +1,1 @@
+"""Margin laws: how much larger obstacles are made."""

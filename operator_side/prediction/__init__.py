@@ -1,0 +1,1 @@
+"""Prediction laws: where the robot will be when a command takes effect."""

@@ -1,0 +1,93 @@
+"""From a desired velocity to a safe plan: margin and obstacles into the controller, its answer checked."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from farhand.common.geometry import Array
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.scenario import Scenario
+from farhand.operator_side.control.checks.fallback import safe_plan
+from farhand.operator_side.control.checks.recovery import eased
+from farhand.operator_side.control.controller import Controller, ControlProblem, ControlSolution, zero_plan
+from farhand.operator_side.margins.margin import Margin
+from farhand.operator_side.prediction.state_predictor import Prediction
+
+
+@dataclass(frozen=True, slots=True)
+class Filtered:
+    """Attributes:
+    plan: (N, 3) to be sent (m/s).
+    solution: the controller's answer.
+    binding: id of the obstacle that binds, or empty.
+    reason: why `plan` is not the controller's, or empty.
+    """
+
+    plan: Array
+    solution: ControlSolution
+    binding: str
+    reason: str
+
+
+class SafetyFilter:
+    """Poses the controller's problem from the scene that came over the wire.
+
+    Args:
+        scenario: settings (the obstacles are never taken from it).
+        controller: the controller.
+    """
+
+    def __init__(self, scenario: Scenario, controller: Controller) -> None:
+        self._settings = scenario.controller
+        self._lag = scenario.robot.lag
+        self._controller = controller
+        self._scene: Scene | None = None
+        self._centres = self._velocities = np.zeros((0, 3))
+        self._radii = np.zeros(0)
+        self._moving = False
+
+    def filter(
+        self, desired: Vector3, prediction: Prediction, margin: Margin, state: RobotState, scene: Scene
+    ) -> Filtered:
+        """The plan for a desired velocity.
+
+        Obstacles are taken to where they will be when the command takes effect: both stamps are the robot's,
+        so no two clocks are compared.
+        """
+        self._look_at(scene)
+        centres = self._centres
+        if self._moving:
+            ahead = (state.t_sample_ns - scene.t_sample_ns) * 1e-9 + prediction.look + self._lag
+            centres = centres + self._velocities * ahead
+        problem = ControlProblem(
+            position=np.array(prediction.start),
+            desired=np.array(desired),
+            centres=centres,
+            radii=self._radii + margin.inflation,
+            velocities=self._velocities,
+            sigmas=np.full(len(self._radii), margin.sigma),
+        )
+        # A margin may have grown over the robot: then the way out is solved for, and checked as strictly.
+        solution = self._controller.solve(eased(problem, self._settings) or problem)
+        plan, reason = safe_plan(problem, solution, self._settings)
+        binding = scene.obstacles[solution.binding].id if solution.binding >= 0 else ""
+        return Filtered(plan, solution, binding, reason)
+
+    def stand_still(self) -> Array:
+        """A plan of zeros; the warm start is forgotten."""
+        self._controller.reset()
+        return zero_plan(self._settings)
+
+    def _look_at(self, scene: Scene) -> None:
+        """Turn a new scene into arrays once."""
+        if scene is self._scene:
+            return
+        self._scene = scene
+        keep = scene.robot_radius + self._settings.d_min
+        n = len(scene.obstacles)
+        self._centres = np.array([o.position for o in scene.obstacles], dtype=float).reshape(n, 3)
+        self._velocities = np.array([o.velocity for o in scene.obstacles], dtype=float).reshape(n, 3)
+        self._radii = np.array([o.radius + keep for o in scene.obstacles], dtype=float)
+        self._moving = bool(np.any(self._velocities))

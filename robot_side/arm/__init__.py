@@ -1,0 +1,1 @@
+"""The arm: model, kinematics, limits, velocity control."""

@@ -1,0 +1,126 @@
+"""From a tool velocity to joint velocities: the interface, and the law that keeps the direction.
+
+A small quadratic program in (q', s), solved at every control period:
+
+    min  100 |J_lin q' - s v|^2 + 100 |J_ang q' - w|^2 + |v|^2 (1 - s)^2 + damping |q'|^2
+    s.t. 0 <= s <= 1,  q' within JointBounds,
+
+w = 4 log3(R_d R^T). Where the arm cannot follow it gives up speed (s) before it gives up direction, so
+that near singularities and limits the tool stays on the commanded line.
+"""
+
+from typing import Protocol
+
+import daqp
+import numpy as np
+
+from farhand.common.geometry import Array
+from farhand.robot_side.arm.kinematics import ToolKinematics, rotation_error
+from farhand.robot_side.arm.limits import JointBounds
+
+ORIENTATION_GAIN = 4.0  # 1/s
+LINE_WEIGHT = 100.0
+ORIENTATION_WEIGHT = 100.0
+SINGULAR_BELOW = 0.08  # smallest singular value of the Jacobian under which damping sets in
+MAX_DAMPING = 0.05
+_LEAST_SPEED_WEIGHT = 1e-6
+
+
+class VelocityControl(Protocol):
+    """A law from tool velocity to joint velocities. Nothing throws."""
+
+    def joint_velocity(
+        self, q: Array, previous: Array, tool: ToolKinematics, v_tool_in_base: Array, dt: float
+    ) -> Array:
+        """Joint velocities to command now (6,), rad/s.
+
+        Args:
+            q: (6,) joint positions (rad).
+            previous: (6,) what was commanded last (rad/s).
+            tool: kinematics at q.
+            v_tool_in_base: (3,) wanted tool velocity (m/s).
+            dt: control period (s).
+        """
+        ...
+
+
+class DirectionKeeping:
+    """The quadratic program above, by daqp.
+
+    Args:
+        bounds: of the joint velocities.
+        R_base_wanted: (3, 3) orientation that the tool keeps.
+
+    Attributes:
+        failures: solves that did not end well; the arm brakes then.
+    """
+
+    def __init__(self, bounds: JointBounds, R_base_wanted: Array) -> None:
+        self._bounds = bounds
+        self._R_base_wanted = R_base_wanted
+        self._H = np.zeros((7, 7))
+        self._f = np.zeros(7)
+        self._low, self._high = np.zeros(7), np.ones(7)
+        self._no_rows = np.zeros((0, 7))
+        self._sense = np.zeros(7, dtype=np.int32)
+        self.failures = 0
+
+    def joint_velocity(
+        self, q: Array, previous: Array, tool: ToolKinematics, v_tool_in_base: Array, dt: float
+    ) -> Array:
+        """See VelocityControl."""
+        low, high = self._bounds.at(q, previous, dt)
+        omega = ORIENTATION_GAIN * rotation_error(self._R_base_wanted, tool.R_base_tool)
+        J_lin, J_ang = tool.jacobian[:3], tool.jacobian[3:]
+        v = v_tool_in_base
+        speed_squared = float(v @ v)
+        speed_weight = max(speed_squared, _LEAST_SPEED_WEIGHT)
+        H, f = self._H, self._f
+        H[:6, :6] = LINE_WEIGHT * (J_lin.T @ J_lin) + ORIENTATION_WEIGHT * (J_ang.T @ J_ang)
+        H[range(6), range(6)] += LINE_WEIGHT * damping(tool.jacobian)
+        H[:6, 6] = H[6, :6] = -LINE_WEIGHT * (J_lin.T @ v)
+        H[6, 6] = LINE_WEIGHT * speed_squared + speed_weight
+        f[:6] = -ORIENTATION_WEIGHT * (J_ang.T @ omega)
+        f[6] = -speed_weight
+        self._low[:6], self._high[:6] = low, high
+        x, _, flag, _ = daqp.solve(H, f, self._no_rows, self._high, self._low, self._sense)
+        if flag <= 0 or not np.isfinite(x).all():
+            self.failures += 1
+            return np.clip(np.zeros(6), low, high)
+        limited: Array = np.clip(x[:6], low, high)
+        return limited
+
+
+class DampedLeastSquares:
+    """The plain baseline: q' = J^T (J J^T + damping I)^-1 (v, w), scaled into the velocity limits.
+
+    Args:
+        bounds: of the joint velocities; what exceeds them is cut, which bends the path.
+        max_velocity: (6,) rad/s.
+        R_base_wanted: (3, 3) orientation that the tool keeps.
+    """
+
+    def __init__(self, bounds: JointBounds, max_velocity: Array, R_base_wanted: Array) -> None:
+        self._bounds = bounds
+        self._max_velocity = max_velocity
+        self._R_base_wanted = R_base_wanted
+
+    def joint_velocity(
+        self, q: Array, previous: Array, tool: ToolKinematics, v_tool_in_base: Array, dt: float
+    ) -> Array:
+        """See VelocityControl."""
+        low, high = self._bounds.at(q, previous, dt)
+        omega = ORIENTATION_GAIN * rotation_error(self._R_base_wanted, tool.R_base_tool)
+        J = tool.jacobian
+        least = _LEAST_SPEED_WEIGHT + damping(J)
+        qd = J.T @ np.linalg.solve(J @ J.T + least * np.eye(6), np.concatenate([v_tool_in_base, omega]))
+        excess = float(np.max(np.abs(qd) / self._max_velocity))
+        return np.clip(qd / max(1.0, excess), low, high)
+
+
+def damping(jacobian: Array) -> float:
+    """0 where the arm is well conditioned, rising to MAX_DAMPING^2 where it is singular."""
+    smallest = float(np.linalg.svd(jacobian, compute_uv=False)[-1])
+    if smallest >= SINGULAR_BELOW:
+        return 0.0
+    return MAX_DAMPING**2 * (1.0 - (smallest / SINGULAR_BELOW) ** 2)

@@ -1,0 +1,1 @@
+"""Robots: one small file each, and their registry."""

@@ -1,0 +1,47 @@
+"""A point that follows the velocity command with a first-order lag: the cheapest honest robot."""
+
+import math
+from collections.abc import Sequence
+
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.scene import Obstacle
+from farhand.robot_side.robots.robot import RobotSample
+
+
+class PointRobot:
+    """lag * dv/dt = u - v, dx/dt = v, integrated exactly over each period.
+
+    Args:
+        start: position (m).
+        lag: time constant (s); 0 follows at once.
+    """
+
+    def __init__(self, start: Vector3, lag: float) -> None:
+        self._position = start
+        self._velocity: Vector3 = (0.0, 0.0, 0.0)
+        self._lag = lag
+        self._dt = -1.0
+        self._decay = 0.0
+
+    def sample(self) -> RobotSample:
+        """The state now."""
+        return RobotSample(self._position, self._velocity)
+
+    def step(self, velocity: Vector3, dt: float) -> None:
+        """One period of `dt` s under the commanded velocity (m/s)."""
+        if dt != self._dt:
+            self._dt = dt
+            self._decay = math.exp(-dt / self._lag) if self._lag > 0.0 else 0.0
+        decay = self._decay
+        reach = self._lag * (1.0 - decay)
+        (x, y, z), (vx, vy, vz), (ux, uy, uz) = self._position, self._velocity, velocity
+        ex, ey, ez = vx - ux, vy - uy, vz - uz
+        self._position = (x + ux * dt + ex * reach, y + uy * dt + ey * reach, z + uz * dt + ez * reach)
+        self._velocity = (ux + ex * decay, uy + ey * decay, uz + ez * decay)
+
+    def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
+        """A point has no arm."""
+        return None
+
+    def close(self) -> None:
+        """Nothing to give back."""

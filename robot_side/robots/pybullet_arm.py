@@ -1,0 +1,163 @@
+"""The UR5 in PyBullet: joint velocity motors with the arm's torque limits, inertias from the file."""
+
+import tempfile
+from collections.abc import Sequence
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from farhand.common.errors import ScenarioError
+from farhand.common.geometry import Array, to_vector3
+from farhand.common.messages.scene import Obstacle
+from farhand.common.scenario import Scenario
+from farhand.robot_side.arm.kinematics import Kinematics
+from farhand.robot_side.arm.limits import JointBounds
+from farhand.robot_side.arm.model import JOINTS, TORQUE_LIMITS, collision_urdf, never_colliding_pairs
+from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
+from farhand.robot_side.robots.bullet import connect, quiet
+from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
+from farhand.robot_side.robots.robot import RobotSample
+
+_RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
+
+
+class UR5Robot:
+    """Follows tool velocities with the tool kept as it points at the start: down.
+
+    Args:
+        scenario: start, joints, velocity control, and the obstacles that the start must be clear of.
+
+    Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        settings = scenario.robot
+        self.kinematics = Kinematics()
+        self._q = _start_configuration(self.kinematics, scenario)
+        bounds = JointBounds(
+            self.kinematics.lower,
+            self.kinematics.upper,
+            self.kinematics.max_velocity,
+            settings.max_joint_acceleration,
+        )
+        down = self.kinematics.R_base_tool_down
+        self.control: VelocityControl = (
+            DirectionKeeping(bounds, down)
+            if settings.velocity_control == "direction"
+            else DampedLeastSquares(bounds, self.kinematics.max_velocity, down)
+        )
+        self._commanded: Array = np.zeros(6)
+        self._dt = 0.0
+        self._bullet, self._client = connect()
+        try:
+            self._load_arm()
+            self._obstacles = BulletObstacles(self._bullet, self._client, self.body)
+            self._check_start(scenario)
+        except BaseException:
+            self.close()
+            raise
+        self._read()
+
+    def sample(self) -> RobotSample:
+        """The state now."""
+        x, y, z, w = pin.Quaternion(self._tool.R_base_tool).coeffs().tolist()
+        return RobotSample(
+            to_vector3(self._tool.position.tolist()),
+            to_vector3((self._tool.jacobian[:3] @ self._qd).tolist()),
+            (w, x, y, z),
+            tuple(self._q.tolist()),
+        )
+
+    def step(self, velocity: Sequence[float], dt: float) -> None:
+        """One period of `dt` s under the commanded tool velocity (m/s, base)."""
+        bullet, client = self._bullet, self._client
+        if dt != self._dt:
+            self._dt = dt
+            bullet.setTimeStep(dt, physicsClientId=client)
+        self._commanded = self.control.joint_velocity(
+            self._q, self._commanded, self._tool, np.asarray(velocity, dtype=float), dt
+        )
+        bullet.setJointMotorControlArray(
+            self.body,
+            self.joint_indices,
+            bullet.VELOCITY_CONTROL,
+            targetVelocities=self._commanded.tolist(),
+            forces=TORQUE_LIMITS,
+            physicsClientId=client,
+        )
+        bullet.stepSimulation(physicsClientId=client)
+        self._read()
+
+    def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
+        """Distance of the whole arm to the nearest obstacle (m), 1 to 3 mm short of the truth."""
+        nearest = self._obstacles.nearest(obstacles)
+        return None if nearest is None else nearest[0]
+
+    def close(self) -> None:
+        """Disconnect from the physics engine."""
+        if self._client >= 0:
+            self._bullet.disconnect(physicsClientId=self._client)
+            self._client = -1
+
+    def _load_arm(self) -> None:
+        bullet, client = self._bullet, self._client
+        bullet.setPhysicsEngineParameter(solverResidualThreshold=_RESIDUAL, physicsClientId=client)
+        flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_SELF_COLLISION
+        with tempfile.TemporaryDirectory() as folder, quiet():
+            path = Path(folder) / "ur5.urdf"
+            path.write_text(collision_urdf(), encoding="utf-8")
+            self.body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
+        self.link_indices: dict[str, int] = {}
+        joints: dict[str, int] = {}
+        for index in range(bullet.getNumJoints(self.body, physicsClientId=client)):
+            info = bullet.getJointInfo(self.body, index, physicsClientId=client)
+            joints[info[1].decode()] = index
+            self.link_indices[info[12].decode()] = index
+        self.joint_indices = [joints[name] for name in JOINTS]
+        for index, angle in zip(self.joint_indices, self._q, strict=True):
+            bullet.resetJointState(self.body, index, angle, physicsClientId=client)
+        never = never_colliding_pairs()
+        self._colliding_pairs: list[tuple[str, str]] = []
+        for one, other in combinations(self.link_indices, 2):
+            if frozenset((one, other)) not in never:
+                self._colliding_pairs.append((one, other))
+                continue
+            a, b = self.link_indices[one], self.link_indices[other]
+            bullet.setCollisionFilterPair(self.body, self.body, a, b, 0, physicsClientId=client)
+
+    def _check_start(self, scenario: Scenario) -> None:
+        bullet, client = self._bullet, self._client
+        bullet.performCollisionDetection(physicsClientId=client)
+        for one, other in self._colliding_pairs:
+            a, b = self.link_indices[one], self.link_indices[other]
+            if bullet.getClosestPoints(self.body, self.body, 0.0, a, b, physicsClientId=client):
+                raise ScenarioError(
+                    f"scenario {scenario.name}: start: {one} and {other} of the UR5 touch there; "
+                    "choose another start, or other robot.joints to start the search from"
+                )
+        nearest = self._obstacles.nearest(scenario.obstacles)
+        if nearest is not None and nearest[0] <= 0.0:
+            raise ScenarioError(
+                f"scenario {scenario.name}: start: the UR5's arm reaches {-nearest[0]:.3f} m into obstacle "
+                f"{nearest[1]!r} there; move the obstacle or the start"
+            )
+
+    def _read(self) -> None:
+        states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)
+        self._q = np.array([state[0] for state in states])
+        self._qd = np.array([state[1] for state in states])
+        self._tool = self.kinematics.tool(self._q)
+
+
+def _start_configuration(kinematics: Kinematics, scenario: Scenario) -> Array:
+    joints = scenario.robot.joints
+    q = kinematics.inverse_tool_down(scenario.start, None if joints is None else np.array(joints))
+    if q is None:
+        x, y, z = scenario.start
+        raise ScenarioError(
+            f"scenario {scenario.name}: start: unreachable by the UR5 with the tool down: "
+            f"({x:g}, {y:g}, {z:g}) m; it reaches 0.27 to 0.7 m from its axis, 0.1 to 0.6 m high"
+        )
+    return q

@@ -1,0 +1,242 @@
+"""The safety state machine: which commands move the robot, and what happens when they stay away.
+
+RUN -> HOLD (no good command within the timeout: the received plan is played out, then zero) -> STOPPED.
+STOPPED and ESTOP are latched: only a fresh acknowledgement of the session in control leads out of them.
+It is told the robot's own time and compares no two clocks: a command's age is that of the robot's own
+stamp that the command echoes.
+"""
+
+from collections import Counter, OrderedDict, deque
+from dataclasses import dataclass
+
+from farhand.common.messages.base import SafetyMode, Vector3
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.scenario import SafetySettings
+from farhand.common.timing.clock import to_ns
+from farhand.robot_side.safety.lease import ControlLease
+from farhand.robot_side.safety.plan import ZERO, PlanPlayer
+
+REMEMBERED_SESSIONS = 64
+REMEMBERED_CHANGES = 1000
+_LATCHED = ("stopped", "estop")
+
+
+@dataclass(frozen=True, slots=True)
+class ModeChange:
+    """One entry of the watchdog's log: when (ns, robot clock), into which mode, and why."""
+
+    t_ns: int
+    mode: SafetyMode
+    reason: str
+
+
+class Watchdog:
+    """Decides, command by command and tick by tick, what the robot may do.
+
+    Who may command is said by the lease: a session gets it by a command that is built on a state of the robot
+    which showed it free. An `acknowledge` of another session asks for it: it is refused as `held`, and shown.
+
+    A `run` command is good if it comes from the session in control, is newer than the last one, echoes a
+    message of this robot session that is at most `max_age` old, and is within `max_speed`. A `hold` needs
+    no echo, since all it can do is brake; it keeps the connection alive. An `estop` is obeyed from anyone.
+
+    Args:
+        settings: limits.
+        session: the robot's own session, which echoes must name.
+
+    Attributes:
+        mode, reason: the state and why it was entered.
+        refused: commands refused, by reason.
+        newest_refused: name and session of the newest of them, by reason, for people.
+        stops: entries into a latched stop.
+        holds: times that RUN became HOLD because commands stayed away.
+        changes: the last mode changes.
+        applied_session, applied_seq, applied_ns: the command now applied, and since when (robot clock).
+    """
+
+    def __init__(self, settings: SafetySettings, session: int) -> None:
+        self._session = session
+        self._max_age_ns = to_ns(settings.max_age)
+        self._max_speed = settings.max_speed
+        self._command_timeout_ns = to_ns(settings.command_timeout)
+        self._stop_timeout_ns = to_ns(settings.stop_timeout)
+        self._player = PlanPlayer()
+        self._newest_seq: OrderedDict[int, int] = OrderedDict()
+        self._good_ns: int | None = None  # the last good command; None while nobody is expected to send
+        self.lease = ControlLease(to_ns(settings.lease_timeout))
+        self.mode: SafetyMode = "hold"
+        self.reason = "waiting for an operator"
+        self.refused: Counter[str] = Counter()
+        self.newest_refused: dict[str, tuple[str, int]] = {}
+        self.stops = 0
+        self.holds = 0
+        self.changes: deque[ModeChange] = deque(maxlen=REMEMBERED_CHANGES)
+        self.applied_session = 0
+        self.applied_seq = 0
+        self.applied_ns = 0
+
+    @property
+    def latched(self) -> bool:
+        """Whether only an acknowledgement leads on."""
+        return self.mode in _LATCHED
+
+    def velocity(self, now_ns: int) -> Vector3:
+        """The tool velocity that is allowed at `now_ns` (m/s, base)."""
+        return ZERO if self.latched else self._player.velocity(now_ns)
+
+    def tick(self, now_ns: int) -> None:
+        """Let time act: timeouts and the end of a lease."""
+        silent_ns = 0 if self._good_ns is None else now_ns - self._good_ns
+        if self.mode == "run" and silent_ns > self._command_timeout_ns:
+            self.holds += 1
+            self._enter("hold", f"no good command for {silent_ns * 1e-9:.3f} s", now_ns)
+        if self.mode == "hold" and silent_ns > self._stop_timeout_ns:
+            self._stop("stopped", f"no good command for {silent_ns * 1e-9:.3f} s", now_ns)
+        if self.lease.expire(now_ns) and not self.latched:
+            self._rest("the holder of control fell silent", now_ns)
+
+    def receive(self, command: VelocityCommand, now_ns: int) -> bool:
+        """Judge one decoded command and obey it if it is good; whether it was obeyed."""
+        if command.mode == "estop":
+            if self.mode != "estop":
+                self._stop("estop", f"emergency stop by {command.source}", now_ns)
+            return True
+        refusal = self._judge(command, now_ns)
+        if refusal:
+            self.refused[refusal] += 1
+            self.newest_refused[refusal] = command.source, command.session
+            return False
+        self._obey(command, now_ns)
+        return True
+
+    def in_control(self, command: VelocityCommand) -> bool:
+        """Whether the command is from the session that holds control now."""
+        return command.session == self.lease.holder != 0
+
+    def fault(self, what: str, now_ns: int) -> None:
+        """Something inside the robot failed: stop, and stay stopped."""
+        self._stop("stopped", f"fault: {what}"[:512], now_ns)
+
+    def _judge(self, command: VelocityCommand, now_ns: int) -> str:
+        """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
+        lease, free = self.lease, self.lease.holder == 0
+        if not free and command.session != lease.holder:
+            return self._judge_outsider(command, now_ns)
+        if self._is_old(command):
+            return "old-seq"
+        stale = self._staleness(command, now_ns)
+        if free:
+            if command.mode == "release":
+                return "foreign-session"
+            if stale or self._unaware(command):
+                return stale or _outside(command)
+        lease.grant(command.session, command.source, now_ns)
+        self._note_seq(command)
+        if command.mode == "hold" or (command.mode == "release" and not command.successor):
+            return ""
+        if stale or self._unaware(command):
+            return stale or _outside(command)
+        if command.mode == "release" and not lease.waits(command.successor, now_ns):
+            return "no-successor"
+        if command.mode == "run":
+            if self.latched:
+                return "stopped"
+            if _fastest(command) > self._max_speed:
+                return "too-fast"
+        return ""
+
+    def _judge_outsider(self, command: VelocityCommand, now_ns: int) -> str:
+        """Why a command from outside the lease is refused; who asks for control properly is remembered."""
+        if command.mode != "acknowledge":
+            return _outside(command)
+        if self._is_old(command):
+            return "old-seq"
+        stale = self._staleness(command, now_ns)
+        if stale:
+            return stale
+        known = self.lease.ask(command.session, command.source, command.seq, now_ns)
+        return _outside(command) if known else "old-seq"
+
+    def _is_old(self, command: VelocityCommand) -> bool:
+        return command.seq <= self._newest_seq.get(command.session, -1)
+
+    def _unaware(self, command: VelocityCommand) -> bool:
+        """Whether its sender had not yet seen that control had become free, or its own.
+
+        Without this a request under way, repeated without anybody's doing, would take control of a lease that
+        ended by silence, or clear a stop for the one who was handed control.
+        """
+        return command.echo is not None and command.echo.t_sent_ns < self.lease.since_ns
+
+    def _staleness(self, command: VelocityCommand, now_ns: int) -> str:
+        """Why the command is not built on a recent state of this robot session, or an empty string."""
+        if command.echo is None:
+            return "no-echo"
+        if command.echo.session != self._session:
+            return "foreign-echo"
+        age_ns = now_ns - command.echo.t_sent_ns
+        return "" if 0 <= age_ns <= self._max_age_ns else "stale"
+
+    def _note_seq(self, command: VelocityCommand) -> None:
+        self._newest_seq[command.session] = command.seq
+        self._newest_seq.move_to_end(command.session)
+        if len(self._newest_seq) > REMEMBERED_SESSIONS:
+            self._newest_seq.popitem(last=False)
+
+    def _obey(self, command: VelocityCommand, now_ns: int) -> None:
+        if command.mode == "release":
+            self._release(command.successor, now_ns)
+            return
+        if command.mode == "hold" and self.latched:
+            return
+        self.applied_session, self.applied_seq, self.applied_ns = command.session, command.seq, now_ns
+        self._good_ns = now_ns
+        if command.mode == "run":
+            self._player.load(command, now_ns)
+            self._enter("run", "commanded", now_ns)
+            return
+        self._player.clear()
+        reason = "held by the operator" if command.mode == "hold" else "acknowledged"
+        self._enter("hold", reason, now_ns)
+
+    def _release(self, successor: int, now_ns: int) -> None:
+        """End the lease, or pass it on. A latched stop stays."""
+        reason = "control was released"
+        if successor:
+            self.lease.hand_over(successor, now_ns)
+            reason = f"control was handed over to {self.lease.holder_name}"
+        else:
+            self.lease.release(now_ns)
+        if not self.latched:
+            self._rest(reason, now_ns)
+
+    def _rest(self, reason: str, now_ns: int) -> None:
+        """Zero velocity, and nobody is expected to send."""
+        self._player.clear()
+        self._good_ns = None
+        self._enter("hold", reason, now_ns)
+
+    def _stop(self, mode: SafetyMode, reason: str, now_ns: int) -> None:
+        self._player.clear()
+        if not self.latched:
+            self.stops += 1
+        self._enter(mode, reason, now_ns)
+
+    def _enter(self, mode: SafetyMode, reason: str, now_ns: int) -> None:
+        if (mode, reason) == (self.mode, self.reason):
+            return
+        self.mode, self.reason = mode, reason
+        self.changes.append(ModeChange(now_ns, mode, reason))
+
+
+def _outside(command: VelocityCommand) -> str:
+    """The reason to refuse what comes from outside the lease."""
+    return "held" if command.mode == "acknowledge" else "foreign-session"
+
+
+def _fastest(command: VelocityCommand) -> float:
+    """Largest magnitude in any axis of the velocity and of its plan (m/s)."""
+    fastest = max(map(abs, command.velocity))
+    for velocity in command.plan:
+        fastest = max(fastest, *map(abs, velocity))
+    return fastest

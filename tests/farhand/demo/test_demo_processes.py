@@ -1,0 +1,221 @@
+"""The demo with real processes over real Zenoh: how it ends, however it ends, nothing is left behind."""
+
+import json
+import queue
+import signal
+import statistics
+import subprocess
+import sys
+import threading
+
+import psutil
+import pytest
+
+from farhand.common.messages.codec import Decoder
+from farhand.common.messages.report import ControlReport
+from farhand.common.recording.recorder import read_run
+from farhand.common.scenario import load_scenario
+from farhand.common.timing.clock import SystemClock
+from farhand.laboratory.simulation import simulate
+
+pytestmark = pytest.mark.realtime
+PATIENCE = 60.0
+ENDS_WITHIN = 2.0
+LOADED = 4.0  # what a loaded machine may add to it
+SCENARIO = """
+name = "short"
+start = [0.0, 0.0, 0.5]
+targets = [[0.7, 0.0, 0.5]]
+[[obstacles]]
+id = "ball"
+position = [0.35, 0.0, 0.43]
+radius = 0.05
+[robot]
+kind = "point"
+radius = 0.05
+rate_hz = 100
+state_rate_hz = 50
+lag = 0.1
+"""
+UPLINK, DOWNLINK, SEED = "gaussian:60,10", "constant:60", 5
+
+
+class Demo:
+    """A running demo, its words as they come, and all its processes."""
+
+    def __init__(self, folder):
+        self.folder = folder / "run"
+        self.scenario = folder / "short.toml"
+        self.scenario.write_text(SCENARIO)
+        command = [sys.executable, "-m", "farhand", "demo", "--scenario", str(self.scenario), "--json"]
+        self.process = subprocess.Popen(
+            [
+                *command,
+                "--uplink",
+                UPLINK,
+                "--downlink",
+                DOWNLINK,
+                "--seed",
+                str(SEED),
+                "--out",
+                str(self.folder),
+            ],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.lines = queue.Queue()
+        self.said = []
+        self.clock = SystemClock()
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+
+    def _read(self):
+        for line in self.process.stderr:
+            self.lines.put(line)
+        self.lines.put(None)
+
+    def wait_until_it_drives(self):
+        """Until the live status says `run`; returns the three programs by name."""
+        while True:
+            line = self.lines.get(timeout=PATIENCE)
+            assert line is not None, f"the demo ended: {self.said}"
+            self.said.append(line)
+            if line.split()[-1:] == ["run"] or "filter intervening" in line:
+                break
+        children = {}
+        for child in psutil.Process(self.process.pid).children(recursive=True):
+            arguments = child.cmdline()
+            children[arguments[arguments.index("farhand") + 1]] = child
+        assert set(children) == {"operator", "netem", "robot"}
+        return children
+
+    def end(self, timeout=PATIENCE):
+        """Exit code, summary or None, and how long it took (s)."""
+        before = self.clock.now_ns()
+        code = self.process.wait(timeout)
+        took = (self.clock.now_ns() - before) * 1e-9
+        out = self.process.stdout.read()
+        return code, json.loads(out.splitlines()[-1]) if out.strip() else None, took
+
+    def close(self):
+        """Nothing that this test started stays, whatever went wrong."""
+        try:
+            processes = psutil.Process(self.process.pid).children(recursive=True)
+        except psutil.NoSuchProcess:
+            processes = []
+        if self.process.poll() is None:
+            self.process.kill()
+        for process in processes:
+            if process.is_running():
+                process.kill()
+        self.process.wait(PATIENCE)
+        self.reader.join(PATIENCE)
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+
+@pytest.fixture
+def demo(tmp_path):
+    started = Demo(tmp_path)
+    yield started
+    started.close()
+
+
+def gone(children, timeout=ENDS_WITHIN + LOADED):
+    _, alive = psutil.wait_procs(list(children.values()), timeout)
+    return not alive
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """One demo from beginning to end, for all that is asked of it."""
+    started = Demo(tmp_path_factory.mktemp("demo"))
+    children = started.wait_until_it_drives()
+    code, summary, _ = started.end()
+    assert gone(children)
+    yield started, code, summary
+    started.close()
+
+
+def test_end_to_end(finished):
+    demo, code, summary = finished
+    assert code == 0, demo.said
+    assert summary["safe"]
+    assert summary["finished"]
+    assert summary["min_clearance"] >= 0.010
+    assert summary["duration"] > 1.0
+    assert 0.11 < summary["rtt_mean"] < 0.2
+    assert summary["seed"] == SEED
+    assert summary["interventions"] > 0
+    assert (summary["stops"], summary["real_time"], summary["why"]) == (0, True, "")
+    assert summary == json.loads((demo.folder / "summary.json").read_text())
+    for name in ("run.png", "run.pdf", "run.mcap", "netem.json"):
+        assert (demo.folder / name).stat().st_size > 500
+
+
+def test_virtual_time_agrees_with_real_time(finished):
+    """Clearance within 5 mm, round trips within 3 ms: the same draws, in processes and in one.
+
+    Virtual time has no wire, so the tick is charged what computing and wire took in the median. Quartiles, since
+    a loaded machine holds up a message now and then.
+    """
+    demo, _, summary = finished
+    run = read_run(demo.folder / "run.mcap")
+    assert run.complete
+    decode = Decoder(ControlReport).decode_or_raise
+    real = quartiles(decode(tick.report) for tick in run.ticks)
+    scenario = load_scenario(str(demo.scenario))
+
+    def virtual(computing_time):
+        found = simulate(
+            scenario,
+            uplink=UPLINK,
+            downlink=DOWNLINK,
+            seed=SEED,
+            computing_time=computing_time,
+            keep_reports=True,
+        )
+        return quartiles(found.reports), found.summary
+
+    overhead = real[1] - virtual(0.0)[0][1]
+    assert 0.0 < overhead < 0.05
+    found, virtual_summary = virtual(overhead)
+    assert found == pytest.approx(real, abs=0.003)
+    assert found[2] - found[0] > 0.006  # or the draws would say nothing
+    assert virtual_summary.finished
+    assert virtual_summary.min_clearance == pytest.approx(summary["min_clearance"], abs=0.005)
+    assert virtual_summary.duration == pytest.approx(summary["duration"], rel=0.1)
+
+
+def quartiles(reports):
+    return statistics.quantiles([r.rtt for r in reports if r.rtt is not None])
+
+
+def test_ctrl_c_ends_all_three(demo):
+    children = demo.wait_until_it_drives()
+    demo.process.send_signal(signal.SIGINT)
+    assert gone(children)
+    code, summary, _ = demo.end()
+    assert code == 1
+    assert summary["why"] == "interrupted"
+    assert not summary["finished"]
+    assert (demo.folder / "summary.json").exists()
+
+
+@pytest.mark.parametrize("victim", ["operator", "netem", "robot"])
+def test_the_death_of_one_ends_all_and_is_told(demo, victim):
+    children = demo.wait_until_it_drives()
+    children[victim].kill()
+    assert gone(children)
+    code, summary, _ = demo.end()
+    assert code == 1
+    assert summary["why"] == f"the {victim} program was killed by signal 9"
+    assert not summary["finished"]
+
+
+def test_the_death_of_the_demo_itself_leaves_nothing(demo):
+    children = demo.wait_until_it_drives()
+    demo.process.kill()
+    assert gone(children)

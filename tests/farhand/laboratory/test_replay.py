@@ -1,0 +1,109 @@
+"""A recorded run, replayed: identical to the byte, and what another controller would have decided."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from farhand.cli import run as run_cli
+from farhand.common.errors import InputError
+from farhand.common.recording.recorder import read_run
+from farhand.common.scenario import load_scenario, replace_setting
+from farhand.laboratory.replay import differing_fields, replay
+from farhand.laboratory.simulation import simulate
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory) -> dict[str, Path]:
+    """A run with each margin over a network that delays, reorders and loses."""
+    folder = tmp_path_factory.mktemp("recordings")
+    found = {}
+    for margin in ("none", "paper", "adaptive"):
+        scenario = replace_setting(load_scenario("point-obstacle"), "margin.kind", margin)
+        found[margin] = folder / f"{margin}.mcap"
+        spec = "uniform:50,200 loss:10%"
+        simulate(scenario, uplink=spec, downlink=spec, seed=3, time_limit=15.0, record_to=found[margin])
+    return found
+
+
+@pytest.mark.parametrize("margin", ["none", "paper", "adaptive"])
+def test_every_decision_is_identical_to_the_byte(recordings, margin):
+    result = replay(recordings[margin])
+    assert len(result.ticks) > 140
+    assert result.identical
+    assert result.run.complete
+    assert result.other_versions() == {}
+
+
+def test_the_comparison_can_fail(recordings):
+    result = replay(recordings["adaptive"], {"controller.gamma": 0.1})
+    assert not result.identical
+    first = result.first_difference
+    assert first is not None
+    assert "filtered" in differing_fields(first)
+
+
+def test_the_same_settings_said_aloud_change_nothing(recordings):
+    assert replay(recordings["paper"], {"margin.kind": "paper"}).identical
+
+
+def test_another_margin_is_judged_from_the_commands_that_the_robot_got(recordings):
+    result = replay(recordings["none"], {"margin.kind": "adaptive"})
+    assert max(t.decided.inflation for t in result.ticks) > 0.01
+    assert all(t.recorded.inflation == 0.0 for t in result.ticks)
+    # Prediction from foreign commands would drift away; from the real ones it stays near.
+    errors = [t.decided.prediction_error for t in result.ticks if t.decided.mode == "run"]
+    assert max(errors) < 0.25
+
+
+def test_what_is_readable_of_a_cut_file_is_used(recordings, tmp_path, capsys):
+    whole = recordings["adaptive"].read_bytes()
+    cut = tmp_path / "run.mcap"
+    cut.write_bytes(whole[: len(whole) * 2 // 3])
+    result = replay(tmp_path)
+    assert not result.run.complete
+    assert 50 < len(result.ticks) < len(read_run(recordings["adaptive"]).ticks)
+    assert result.identical
+    assert run_cli(["replay", str(cut)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert (
+        f"cut off: {len(result.ticks)} whole ticks are readable of its {len(cut.read_bytes())} bytes" in said
+    )
+
+
+def test_side_by_side_as_csv_and_json(recordings, tmp_path, capsys):
+    out = tmp_path / "ticks.csv"
+    arguments = ["replay", str(recordings["adaptive"]), "--margin", "paper", "--out", str(out), "--json"]
+    assert run_cli(arguments) == 0
+    found = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert found["changed"]
+    assert float(found["side_by_side"]["largest sigma (m)"][1]) > 0.1
+    with out.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == found["ticks"]
+    assert {"recorded_x [m/s]", "decided_x [m/s]"} <= set(rows[0])
+
+
+@pytest.mark.parametrize(
+    ("settings", "line"),
+    [
+        ({"robot.kind": "box"}, "has no influence"),
+        ({"controller.period": 0.2}, "keeps the instants"),
+        ({"controller.gamma": 3.0}, "controller.gamma"),
+        ({"controllers": 3.0}, "has no influence"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(recordings, settings, line):
+    with pytest.raises(InputError, match=line):
+        replay(recordings["adaptive"], settings)
+
+
+@pytest.mark.parametrize("content", [b"", b"not a recording", b"\x89MCAP0\r\n"])
+def test_files_that_hold_nothing_are_refused_in_one_line(tmp_path, content, capsys):
+    path = tmp_path / "run.mcap"
+    path.write_bytes(content)
+    assert run_cli(["replay", str(path)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert run_cli(["replay", str(tmp_path / "elsewhere")]) == 2
+    assert "no such file" in capsys.readouterr().err

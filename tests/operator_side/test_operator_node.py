@@ -1,0 +1,348 @@
+"""The operator's node over an in-memory link, with a robot that says what the test wants."""
+
+import itertools
+
+import msgspec
+import pytest
+
+from farhand.common.link.link import Packet, memory_wire
+from farhand.common.messages.base import Echo
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.scene import Obstacle, Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.scenario import load_scenario, replace_setting
+from farhand.operator_side.control.controller import ControlSolution, Status
+from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.operator_node import STALE_STATE, OperatorNode
+from farhand.operator_side.steering.device import SteeringInput
+
+MS = 1_000_000
+P = 100 * MS
+ME, ROBOT = 7, 9
+ZERO = (0.0, 0.0, 0.0)
+FORWARD = (0.2, 0.0, 0.0)
+
+
+class Device:
+    """Wants what the test wants."""
+
+    def __init__(self):
+        self.wants = SteeringInput(FORWARD, engaged=True)
+        self.finished = False
+        self.progress = (1, 3)
+
+    def read(self, state, scene, now_ns):
+        return self.wants
+
+
+class Bench:
+    def __init__(self, controller=None, **settings):
+        scenario = load_scenario("point-obstacle")
+        for key, value in ({"controller.kind": "pass-through"} | settings).items():
+            scenario = replace_setting(scenario, key, value)
+        self.far, link = memory_wire()
+        self.device = Device()
+        controller = controller or make_controller(scenario.controller)
+        self.node = OperatorNode(scenario, controller, self.device, link, "r", ME)
+        self.now = 5_000 * MS
+        self.seqs, self.scene_seqs = itertools.count(), itertools.count()
+        self.sent = []
+
+    def robot(self, echoed=None, holder=ME, mode="run", applied=None, **changes):
+        """The robot sends a state that echoes one of our commands."""
+        fields = {
+            "source": "r", "session": ROBOT, "seq": next(self.seqs), "t_sent_ns": 77, "t_sample_ns": 77,
+            "echo": None if echoed is None else Echo(ME, echoed.seq, echoed.t_sent_ns, 0), "holder": holder,
+            "mode": mode, "position": (0.6, 0.0, 0.6), "velocity": ZERO, "clearance": 1.0, "min_clearance": 0.9,
+            "applied_session": 0 if applied is None else ME, "applied_seq": 0 if applied is None else applied.seq,
+        } | changes  # fmt: skip
+        self._send("state", RobotState(**fields))
+
+    def scene(self, *obstacles):
+        self._send(
+            "scene",
+            Scene(
+                source="r", session=ROBOT, seq=next(self.scene_seqs), t_sent_ns=77, t_sample_ns=77, robot_radius=0.1,
+                obstacles=obstacles,
+            ),
+        )  # fmt: skip
+
+    def _send(self, kind, message):
+        self.far.send(Packet(f"farhand/r/{kind}", encode(message), self.now))
+
+    def tick(self, late_ns=0):
+        """The next tick; returns the command that left, or None."""
+        now = self.now + late_ns
+        self.now = self.node.step(now)
+        packets = self.far.receive()
+        assert len(packets) <= 1
+        if not packets:
+            return None
+        assert packets[0].key == "farhand/r/command"
+        command = Decoder(VelocityCommand).decode_or_raise(packets[0].payload)
+        assert command.t_sent_ns == now
+        self.sent.append(command)
+        return command
+
+    def drive(self):
+        """Until the first `run` command, which is returned."""
+        self.robot(holder=0, mode="hold")
+        self.scene()
+        asking = self.tick()
+        assert asking.mode == "acknowledge"
+        self.robot(asking, mode="hold", applied=asking)
+        command = self.tick()
+        assert command.mode == "run"
+        return command
+
+
+def test_nothing_is_sent_before_there_are_a_state_and_a_scene():
+    bench = Bench()
+    assert bench.tick() is None
+    assert bench.node.report.stop_reason == "no state from the robot yet"
+    bench.robot(holder=0)
+    assert bench.tick() is None
+    assert bench.node.report.stop_reason == "no scene from the robot yet"
+    assert bench.node.report.safety == "run"
+    bench.scene()
+    assert bench.tick().mode == "acknowledge"
+    assert bench.node.driving_since_ns is None
+
+
+def test_it_asks_for_control_and_then_drives():
+    bench = Bench()
+    command = bench.drive()
+    assert command.velocity == FORWARD
+    assert command.desired == FORWARD
+    assert command.echo == Echo(ROBOT, 1, 77, 0)
+    assert command.plan_period_ns == P
+    assert len(command.plan) == 9
+    assert bench.node.driving_since_ns == command.t_sent_ns
+    report = bench.node.report
+    assert (report.mode, report.stop_reason, report.target_index, report.target_count) == ("run", "", 1, 3)
+    assert report.rtt == pytest.approx(0.0 if bench.now == 0 else report.rtt)
+    assert report.clearance == 1.0
+    assert report.tick == 1
+
+
+def test_the_report_knows_the_round_trip():
+    bench = Bench()
+    command = bench.drive()
+    bench.now += 0
+    arrived = command.t_sent_ns + 60 * MS
+    state = RobotState(
+        source="r", session=ROBOT, seq=next(bench.seqs), t_sent_ns=1, t_sample_ns=1, position=ZERO, velocity=ZERO,
+        clearance=1.0, min_clearance=1.0, holder=ME, echo=Echo(ME, command.seq, command.t_sent_ns, 15 * MS),
+    )  # fmt: skip
+    bench.far.send(Packet("farhand/r/state", encode(state), arrived))
+    bench.tick()
+    assert bench.node.report.rtt == pytest.approx(0.045)
+    assert bench.node.report.state_age == pytest.approx(0.040)
+
+
+def test_missed_ticks_use_up_sequence_numbers():
+    bench = Bench()
+    first = bench.drive()
+    bench.robot(first)
+    late = bench.tick(late_ns=250 * MS)
+    assert late.seq == first.seq + 3
+    assert bench.node.report.overruns == 2
+    bench.robot(late)
+    assert bench.tick().seq == late.seq + 1
+    assert bench.node.report.overruns == 2
+
+
+def test_silence_beyond_the_limit_sends_zeros_until_the_robot_answers():
+    bench = Bench()
+    command = bench.drive()
+    bench.robot(command)
+    commands = [bench.tick() for _ in range(13)]
+    speeds = [c.velocity for c in commands]
+    assert speeds[:9] == [FORWARD] * 9  # the first of them is 0.8 s old in the ninth tick after it
+    assert speeds[9:] == [ZERO] * 4
+    assert all(v == ZERO for c in commands[9:] for v in c.plan)
+    assert {c.mode for c in commands} == {"run"}
+    assert bench.node.report.stop_reason == STALE_STATE
+    bench.robot(commands[-1])
+    assert bench.tick().velocity == FORWARD
+    assert bench.node.report.stop_reason == ""
+
+
+def test_without_the_adaptive_margin_there_is_no_resynchronising():
+    bench = Bench(**{"margin.kind": "paper"})
+    bench.drive()
+    assert [bench.tick().velocity for _ in range(15)] == [FORWARD] * 15
+
+
+def test_while_another_one_holds_control_it_only_asks_once_a_second():
+    bench = Bench()
+    command = bench.drive()
+    bench.robot(command, holder=ME + 1, holder_name="eve")
+    asked = [bench.tick() for _ in range(12)]
+    assert [k for k, c in enumerate(asked) if c is not None] == [0, 10]
+    assert {(c.mode, c.velocity, c.source) for c in asked if c} == {("acknowledge", ZERO, "operator")}
+    assert bench.node.report.mode == "hold"
+    assert bench.node.report.stop_reason.startswith("eve holds control; waiting")
+    assert bench.node.round_trip.age(bench.now) == 0.0  # nothing answers who asks
+    bench.robot(command, holder=0, lease_end="released")
+    assert bench.tick().mode == "acknowledge"
+
+
+def test_control_is_handed_over_to_whom_it_is_told():
+    bench = Bench()
+    command = bench.drive()
+    bench.robot(command, waiting=((ME + 1, "eve"),))
+    bench.node.hand_over(ME + 1)
+    given = bench.tick()
+    assert (given.mode, given.successor, given.velocity) == ("release", ME + 1, ZERO)
+    assert bench.node.successor == ME + 1
+    bench.robot(command, holder=ME + 1, holder_name="eve")
+    assert bench.tick().mode == "acknowledge"
+    assert (bench.node.successor, bench.node.report.source) == (0, "operator")
+
+
+def test_a_device_let_go_holds_and_an_emergency_stop_stops():
+    bench = Bench()
+    bench.robot(bench.drive())
+    bench.device.wants = SteeringInput(FORWARD, engaged=False)
+    held = bench.tick()
+    assert (held.mode, held.velocity) == ("hold", ZERO)
+    assert all(v == ZERO for v in held.plan)
+    bench.device.wants = SteeringInput(FORWARD, engaged=True, estop=True)
+    assert (bench.tick().mode, bench.sent[-1].velocity) == ("estop", ZERO)
+
+
+def test_a_stopped_robot_gets_a_hold_or_the_acknowledgement():
+    bench = Bench()
+    command = bench.drive()
+    bench.robot(command, mode="stopped", reason="no good command for 2 s")
+    assert bench.tick().mode == "hold"
+    assert bench.node.report.stop_reason == "robot stopped: no good command for 2 s"
+    bench.device.wants = SteeringInput(FORWARD, engaged=True, acknowledge=True)
+    assert bench.tick().mode == "acknowledge"
+
+
+def test_release_is_the_last_word():
+    bench = Bench()
+    command = bench.drive()
+    bench.node.release(bench.now)
+    (packet,) = bench.far.receive()
+    last = Decoder(VelocityCommand).decode_or_raise(packet.payload)
+    assert (last.mode, last.velocity, last.plan, last.seq) == ("release", ZERO, (), command.seq + 1)
+
+
+def test_late_and_broken_messages_do_not_disturb_it():
+    bench = Bench()
+    command = bench.drive()
+    bench.robot(command)
+    bench.robot(command, seq=0, position=(9.0, 9.0, 9.0))
+    for payload in (b"", b"junk", b"\x00" * 2_000_000):
+        bench.far.send(Packet("farhand/r/state", payload, bench.now))
+    bench.far.send(Packet("farhand/elsewhere/state", b"junk", bench.now))
+    assert bench.tick().velocity == FORWARD
+    report = bench.node.report
+    assert report.refused_here == 3
+    assert report.position == (0.6, 0.0, 0.6)
+
+
+class Broken:
+    """A controller that fails in the way it is told."""
+
+    solver_notice = ""
+
+    def __init__(self, status, velocity=(0.3, 0.0, 0.0)):
+        self.status, self.velocity, self.resets, self.problems = status, velocity, 0, []
+        self.settings = None
+
+    def prepare(self):
+        pass
+
+    def reset(self):
+        self.resets += 1
+
+    def solve(self, problem):
+        import numpy as np
+
+        self.problems.append(problem)
+        plan = np.tile(self.velocity, (10, 1))
+        return ControlSolution(plan, self.status)
+
+
+@pytest.mark.parametrize("status", [Status.FAILED, Status.BAD_INPUT])
+def test_a_solver_that_fails_stands_still_and_says_so(status):
+    bench = Bench(Broken(status), **{"controller.kind": "mpc-cbf"})
+    assert bench.drive().velocity == ZERO
+    assert bench.node.report.status == status.value
+    assert bench.node.report.stop_reason != ""
+    assert bench.node.report.intervening
+
+
+def test_the_obstacles_are_those_of_the_wire_and_the_newest_of_them():
+    controller = Broken(Status.OPTIMAL)
+    bench = Bench(
+        controller, **{"controller.kind": "mpc-cbf", "controller.d_min": 0.01, "margin.floor": 0.02}
+    )
+    bench.drive()
+    assert controller.problems[-1].radii.shape == (0,)  # the scenario has two; the wire says none
+    bench.scene(Obstacle("ball", (3.0, 0.0, 0.0), 0.5))
+    bench.robot(bench.sent[-1])
+    bench.tick()
+    problem = controller.problems[-1]
+    assert problem.centres.tolist() == [[3.0, 0.0, 0.0]]
+    assert problem.radii.tolist() == pytest.approx([0.5 + 0.1 + 0.01 + 0.02])
+
+
+def test_moving_obstacles_are_taken_to_where_they_will_be():
+    controller = Broken(Status.OPTIMAL)
+    bench = Bench(controller, **{"controller.kind": "mpc-cbf", "operator.predictor": "last-command"})
+    bench.drive()
+    bench.scene(Obstacle("ball", (3.0, 0.0, 0.0), 0.5, (0.0, 1.0, 0.0)))
+    bench.robot(bench.sent[-1], t_sample_ns=77 + 300 * MS)
+    bench.tick()
+    look = bench.node.round_trip.mean
+    expected = 0.3 + look + bench.node.scenario.robot.lag
+    assert controller.problems[-1].centres[0].tolist() == pytest.approx([3.0, expected, 0.0])
+
+
+def test_silence_forgets_the_warm_start():
+    controller = Broken(Status.OPTIMAL)
+    bench = Bench(controller, **{"controller.kind": "mpc-cbf"})
+    bench.drive()
+    for _ in range(12):
+        bench.tick()
+    assert controller.resets > 0
+
+
+@pytest.mark.parametrize(("predictor", "held"), [("timeline", False), ("echo", False), ("history", True)])
+def test_laws_that_do_not_know_the_plan_hold_the_first_velocity(predictor, held):
+    class Slowing(Broken):
+        def solve(self, problem):
+            solution = super().solve(problem)
+            solution.plan[1:] *= 0.5
+            return solution
+
+    bench = Bench(Slowing(Status.OPTIMAL), **{"controller.kind": "mpc-cbf", "operator.predictor": predictor})
+    command = bench.drive()
+    assert command.velocity == pytest.approx((0.3, 0.0, 0.0))
+    assert command.plan[-1] == pytest.approx((0.3 if held else 0.15, 0.0, 0.0))
+
+
+def test_every_tick_is_recorded_with_what_arrived():
+    class Keeping:
+        def __init__(self):
+            self.ticks = []
+
+        def tick(self, *what):
+            self.ticks.append(what)
+
+    bench = Bench()
+    bench.node.recorder = Keeping()
+    bench.tick()
+    bench.drive()
+    (silent, asking, driving) = bench.node.recorder.ticks
+    assert silent[1:3] == ([], None)
+    assert [p.key for p in asking[1]] == ["farhand/r/state", "farhand/r/scene"]
+    assert driving[2] == encode(bench.sent[-1])
+    assert driving[3] == bench.node.report
+    assert msgspec.structs.asdict(driving[3])["mode"] == "run"

@@ -1,0 +1,153 @@
+"""Round trips, loss and age from hand-made exchanges; what arrives, kept newest by sequence number."""
+
+import statistics
+
+import pytest
+
+from farhand.common.link.link import Packet
+from farhand.common.messages.base import Echo
+from farhand.common.messages.codec import encode
+from farhand.common.messages.scene import Scene
+from farhand.common.messages.state import RobotState
+from farhand.operator_side.perception import Perception
+from farhand.operator_side.round_trip import RoundTrip
+
+MS = 1_000_000
+ME = 7
+
+
+def state(seq, echo=None, session=9):
+    return RobotState(
+        source="r", session=session, seq=seq, t_sent_ns=0, echo=echo, t_sample_ns=0,
+        position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), clearance=1.0, min_clearance=1.0,
+    )  # fmt: skip
+
+
+def echo(seq, sent, hold=0, session=ME):
+    return Echo(session, seq, sent, hold)
+
+
+def test_the_round_trip_is_now_less_the_stamp_less_the_hold():
+    trip = RoundTrip(ME, 30)
+    trip.received(state(0, echo(0, 100 * MS, hold=5 * MS)), 147 * MS)
+    assert trip.newest == pytest.approx(0.042)
+    assert trip.mean == pytest.approx(0.042)
+    assert trip.std == 0.0
+    assert trip.overall() == (pytest.approx(0.042), 0.0)
+
+
+def test_only_the_first_echo_of_a_command_counts():
+    trip = RoundTrip(ME, 30)
+    trip.received(state(0, echo(3, 0)), 10 * MS)
+    trip.received(state(1, echo(3, 0, hold=1 * MS)), 90 * MS)  # says nothing new
+    trip.received(state(2, echo(2, 0)), 95 * MS)  # came too late
+    trip.received(state(3, echo(9, 0, session=8)), 99 * MS)  # not mine
+    trip.received(state(4), 99 * MS)
+    assert (trip.count, trip.newest) == (1, pytest.approx(0.010))
+    trip.received(state(5, echo(5, 50 * MS)), 70 * MS)
+    assert (trip.count, trip.newest) == (2, pytest.approx(0.020))
+
+
+def test_mean_and_standard_deviation_over_the_window_and_over_all():
+    trip, samples = RoundTrip(ME, 4), [0.010, 0.030, 0.020, 0.050, 0.040, 0.090]
+    for seq, rtt in enumerate(samples):
+        trip.received(state(seq, echo(seq, 0)), round(rtt * 1e9))
+    assert trip.mean == pytest.approx(statistics.mean(samples[-4:]))
+    assert trip.std == pytest.approx(statistics.stdev(samples[-4:]))
+    assert trip.overall() == (
+        pytest.approx(statistics.mean(samples)),
+        pytest.approx(statistics.stdev(samples)),
+    )
+
+
+def test_nothing_measured():
+    trip = RoundTrip(ME, 30)
+    assert (trip.mean, trip.std, trip.newest, trip.loss, trip.age(5)) == (0.0, 0.0, None, 0.0, 0.0)
+    assert trip.overall() == (None, None)
+
+
+def test_a_clock_that_cannot_be_gives_no_negative_round_trip():
+    trip = RoundTrip(ME, 30)
+    trip.received(state(0, echo(0, 100 * MS, hold=50 * MS)), 110 * MS)
+    assert trip.newest == 0.0
+
+
+def test_age_is_that_of_the_oldest_unanswered_command():
+    trip = RoundTrip(ME, 30)
+    for seq in range(5):
+        trip.sent(seq, seq * 100 * MS)
+    assert trip.age(450 * MS) == pytest.approx(0.450)
+    trip.received(state(0, echo(2, 200 * MS)), 300 * MS)
+    assert trip.age(450 * MS) == pytest.approx(0.150)
+    trip.received(state(1, echo(4, 400 * MS)), 430 * MS)
+    assert trip.age(450 * MS) == 0.0
+    trip.sent(5, 500 * MS)
+    trip.forget_unanswered()
+    assert trip.age(900 * MS) == 0.0
+
+
+@pytest.mark.parametrize("every", [0, 4, 10])
+def test_loss_is_the_share_of_states_that_never_came(every):
+    trip = RoundTrip(ME, 30)
+    for seq in range(600):
+        if not every or seq % every:
+            trip.received(state(seq), seq)
+    newest = max(s for s in range(600) if not every or s % every)
+    looked_at = range(newest - 199, newest - 49)
+    lost = sum(1 for s in looked_at if every and s % every == 0)
+    assert trip.loss == pytest.approx(lost / len(looked_at))
+
+
+def test_the_newest_states_may_yet_come_and_do_not_count_as_lost():
+    trip = RoundTrip(ME, 30)
+    for seq in (*range(100), 149):
+        trip.received(state(seq), seq)
+    assert trip.loss == 0.0
+    assert RoundTrip(ME, 30).loss == 0.0
+
+
+def test_reordered_states_are_not_lost():
+    trip = RoundTrip(ME, 30)
+    for seq in range(300):
+        trip.received(state(seq ^ 3), seq)
+    assert trip.loss == 0.0
+
+
+def scene(seq):
+    return Scene(source="r", session=9, seq=seq, t_sent_ns=0, t_sample_ns=0, robot_radius=0.1)
+
+
+def test_perception_keeps_the_newest_by_sequence_number():
+    perception = Perception("r")
+    assert (perception.state, perception.scene) == (None, None)
+    for arrived, seq in ((10, 4), (20, 6), (30, 5)):
+        got = perception.take(Packet("farhand/r/state", encode(state(seq)), arrived))
+        assert got.seq == seq  # a late one is told of, for the round trip and the loss
+    assert perception.state.seq == 6
+    assert perception.newest_state.arrived_ns == 20
+    for seq in (2, 1):
+        assert perception.take(Packet("farhand/r/scene", encode(scene(seq)), 5)) is None
+    assert perception.scene.seq == 2
+
+
+def test_perception_counts_what_it_refuses_and_ignores_foreign_keys():
+    perception = Perception("r")
+    for key, payload in (
+        ("farhand/r/state", b"junk"),
+        ("farhand/r/scene", b""),
+        ("farhand/r/state", encode(scene(1))),
+        ("farhand/other/state", encode(state(1))),
+        ("farhand/r/command", b"junk"),
+    ):
+        assert perception.take(Packet(key, payload, 1)) is None
+    assert perception.refused == 3
+    assert perception.state is None
+
+
+def test_state_rate():
+    perception = Perception("r")
+    assert perception.state_rate(100) == 0.0
+    for k in range(60):
+        perception.take(Packet("farhand/r/state", encode(state(k)), k * 10 * MS))
+    assert perception.state_rate(600 * MS) == pytest.approx(100.0, rel=0.03)
+    assert perception.state_rate(5_600 * MS) == pytest.approx(9.1, rel=0.03)

@@ -1,0 +1,174 @@
+"""The robots behind one interface: the box's and the point's dynamics, determinism, silence, the program."""
+
+import hashlib
+import json
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from farhand.common.link.link import Packet, memory_wire
+from farhand.common.messages.base import Echo
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.keys import command_key, state_key
+from farhand.common.messages.state import RobotState
+from farhand.common.scenario import load_scenario
+from farhand.common.timing.clock import SystemClock
+from farhand.robot_side.main import run_robot
+from farhand.robot_side.robots.point import PointRobot
+from farhand.robot_side.robots.pybullet_box import SIZE, BoxRobot
+from farhand.robot_side.robots.registry import make_robot
+
+ROOT = Path(__file__).parents[3]
+DT = 0.002
+
+
+@pytest.fixture
+def box():
+    box = BoxRobot((1.0, 0.0, 2.0))
+    yield box
+    box.close()
+
+
+def test_box_follows_with_a_tenth_of_a_second(box):
+    speeds = []
+    for _ in range(1000):
+        box.step((0.0, 0.3, -0.4), DT)
+        speeds.append(np.linalg.norm(box.sample().velocity))
+    assert np.argmax(np.array(speeds) >= 0.632 * 0.5) * DT == pytest.approx(0.1, abs=0.004)
+    assert max(speeds) <= 0.5 + 1e-9
+    assert box.sample().velocity == pytest.approx((0.0, 0.3, -0.4), abs=1e-6)
+    travelled = np.array(box.sample().position) - (1.0, 0.0, 2.0)
+    assert travelled == pytest.approx(np.array((0.0, 0.3, -0.4)) * (2.0 - 0.098), abs=1e-4)
+
+
+def test_box_hovers_without_drift(box):
+    for _ in range(5000):
+        box.step((0.0, 0.0, 0.0), DT)
+    assert box.sample().position == pytest.approx((1.0, 0.0, 2.0), abs=1e-9)
+
+
+def test_box_rights_itself(box):
+    bullet, client = box._bullet, box._client
+    bullet.resetBaseVelocity(box._body, (0, 0, 0), (1.0, -2.0, 0.5), physicsClientId=client)
+    box._read()
+    largest = 0.0
+    for _ in range(1000):
+        box.step((0.0, 0.0, 0.0), DT)
+        largest = max(largest, 1.0 - box.sample().orientation[0])
+    assert largest > 1e-5
+    assert box.sample().orientation == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_box_scenario_uses_the_box_of_the_paper():
+    scenario = load_scenario("box-obstacle")
+    assert scenario.robot.radius == pytest.approx(np.linalg.norm(SIZE) / 2, abs=1e-4)
+    assert scenario.controller.speed_limit == (0.5, 0.5, 0.5)
+    assert scenario.controller.max_speed == 0.87
+    assert {p[1] for p in (scenario.start, *scenario.targets)} == {0.0}
+
+
+def test_point_is_exact_at_any_period():
+    fine, coarse = PointRobot((0.0, 0.0, 0.0), 0.1), PointRobot((0.0, 0.0, 0.0), 0.1)
+    for _ in range(100):
+        fine.step((0.3, -0.1, 0.2), 0.002)
+    coarse.step((0.3, -0.1, 0.2), 0.2)
+    assert fine.sample().position == pytest.approx(coarse.sample().position, abs=1e-14)
+    assert fine.sample().velocity[0] == pytest.approx(0.3 * (1 - np.exp(-2)), abs=1e-14)
+
+
+def test_point_without_lag_follows_at_once():
+    point = PointRobot((0.0, 0.0, 0.0), 0.0)
+    point.step((1.0, 0.0, 0.0), 0.1)
+    assert point.sample().velocity == (1.0, 0.0, 0.0)
+    assert point.sample().position == pytest.approx((0.1, 0.0, 0.0))
+
+
+WANDER = """
+import hashlib, sys
+from farhand.common.scenario import load_scenario
+from farhand.common.seeds import stream
+from farhand.robot_side.robots.registry import make_robot
+scenario = load_scenario(sys.argv[1])
+robot = make_robot(scenario)
+rng, digest = stream(5, "wander"), hashlib.sha256()
+for _ in range(10):
+    velocity = tuple(rng.uniform(-0.2, 0.2, 3).tolist())
+    for _ in range(50):
+        robot.step(velocity, 1 / scenario.robot.rate_hz)
+        digest.update(repr((robot.sample(), robot.arm_clearance(scenario.obstacles))).encode())
+robot.close()
+print(digest.hexdigest())
+"""
+
+
+@pytest.mark.parametrize("scenario", ["ur5-obstacle", "box-obstacle"])
+def test_two_fresh_processes_agree_to_the_bit_and_print_nothing_else(scenario):
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", WANDER, scenario], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        for _ in range(2)
+    ]
+    assert runs[0].stdout == runs[1].stdout
+    assert len(runs[0].stdout.strip()) == len(hashlib.sha256().hexdigest())
+    assert runs[0].stderr == ""
+
+
+@pytest.mark.parametrize("name", ["ur5-obstacle", "box-obstacle", "point-obstacle"])
+def test_every_kind_is_made_moves_and_closes(name):
+    scenario = load_scenario(name)
+    robot = make_robot(scenario)
+    assert robot.sample().position == pytest.approx(scenario.start, abs=1e-6)
+    for _ in range(100):
+        robot.step((0.0, 0.1, 0.0), 1 / scenario.robot.rate_hz)
+    assert robot.sample().position[1] > scenario.start[1] + 0.005
+    robot.close()
+
+
+class _CommandingLink:
+    """Answers the first state with a run command, and sets the event after the tenth."""
+
+    def __init__(self, inner, stop):
+        self._inner, self._stop = inner, stop
+        self._decoder = Decoder(RobotState)
+        self.states = []
+
+    def receive(self):
+        return self._inner.receive()
+
+    def send(self, packet):
+        if packet.key != state_key("r1"):
+            return
+        state = self._decoder.decode_or_raise(packet.payload)
+        self.states.append(state)
+        command = VelocityCommand(
+            source="op",
+            session=3,
+            seq=state.seq,
+            t_sent_ns=1,
+            echo=Echo(state.session, state.seq, state.t_sent_ns, 0),
+            mode="run",
+            velocity=(0.1, 0.0, 0.0),
+        )
+        self._inner.deliver(Packet(command_key("r1"), encode(command)), state.t_sent_ns)
+        if len(self.states) == 10:
+            self._stop.set()
+
+
+def test_program_runs_until_told_and_writes_its_summary(tmp_path):
+    stop = threading.Event()
+    link = _CommandingLink(memory_wire()[0], stop)
+    file = tmp_path / "robot.json"
+    scenario = load_scenario("point-obstacle")
+    summary = run_robot(scenario, "r1", link, SystemClock(), stop, file, realtime=False)
+    assert len(link.states) == 10
+    assert link.states[-1].mode == "run"
+    written = json.loads(file.read_text())
+    assert written["mode"] == summary["mode"] == "run"
+    assert len(written["trajectory"]) == written["ticks"] == 10
+    assert link.states[0].session != 0

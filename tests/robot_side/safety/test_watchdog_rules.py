@@ -1,0 +1,271 @@
+"""The watchdog's single rules, each in its plainest case."""
+
+import pytest
+
+from farhand.common.messages.base import Echo
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.scenario import SafetySettings
+from farhand.robot_side.safety.plan import ZERO, PlanPlayer
+from farhand.robot_side.safety.watchdog import Watchdog
+
+ROBOT = 1234
+MS = 1_000_000
+START = 5_000 * MS
+V = (0.1, 0.0, 0.0)
+
+
+def command(
+    seq,
+    mode="run",
+    *,
+    now=START,
+    age_ms=20,
+    session=7,
+    velocity=V,
+    plan=(),
+    echo=True,
+    source="op",
+    successor=0,
+):
+    return VelocityCommand(
+        source=source,
+        session=session,
+        seq=seq,
+        t_sent_ns=1,
+        successor=successor,
+        mode=mode,
+        velocity=velocity,
+        plan=plan,
+        echo=Echo(ROBOT, 0, now - age_ms * MS, 0) if echo else None,
+    )
+
+
+@pytest.fixture
+def watchdog():
+    return Watchdog(SafetySettings(), ROBOT)
+
+
+def test_waits_forever_for_its_first_operator(watchdog):
+    watchdog.tick(START)
+    watchdog.tick(START + 3600_000 * MS)
+    assert (watchdog.mode, watchdog.reason) == ("hold", "waiting for an operator")
+
+
+def test_plan_is_played_by_the_index_rule():
+    player = PlanPlayer()
+    plan = ((2.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    player.load(command(0, velocity=(1.0, 0.0, 0.0), plan=plan), START)
+    played = [player.velocity(START + h * MS)[0] for h in (0, 99, 100, 199, 200, 299, 300, 5000)]
+    assert played == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 0.0, 0.0]
+
+
+def test_silence_plays_the_plan_out_then_stops(watchdog):
+    plan = tuple((0.1 * j, 0.0, 0.0) for j in range(2, 20))
+    assert watchdog.receive(command(1, plan=plan), START)
+    watchdog.tick(START + 300 * MS)
+    assert watchdog.mode == "run"
+    watchdog.tick(START + 301 * MS)
+    assert watchdog.mode == "hold"
+    assert watchdog.holds == 1
+    assert watchdog.velocity(START + 450 * MS) == plan[3]
+    watchdog.tick(START + 1501 * MS)
+    assert (watchdog.mode, watchdog.stops) == ("stopped", 1)
+    assert watchdog.velocity(START + 1501 * MS) == ZERO
+    later = START + 1600 * MS
+    assert not watchdog.receive(command(2, now=later), later)
+    assert watchdog.refused["stopped"] == 1
+    assert watchdog.receive(command(3, "acknowledge", now=later), later)
+    assert watchdog.velocity(later) == ZERO
+    assert watchdog.receive(command(4, now=later), later)
+    assert watchdog.mode == "run"
+
+
+def test_hold_recovers_by_itself(watchdog):
+    watchdog.receive(command(1), START)
+    later = START + 400 * MS
+    watchdog.tick(later)
+    assert watchdog.mode == "hold"
+    assert watchdog.receive(command(2, now=later), later)
+    assert watchdog.mode == "run"
+    assert watchdog.stops == 0
+
+
+def test_holding_operator_is_alive(watchdog):
+    watchdog.receive(command(1), START)
+    for k in range(100):
+        now = START + 100 * k * MS
+        assert watchdog.receive(command(2 + k, "hold", now=now, echo=False), now)
+        watchdog.tick(now + 99 * MS)
+        assert watchdog.mode == "hold"
+        assert watchdog.velocity(now) == ZERO
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        (command(2, age_ms=1001), "stale"),
+        (command(2, age_ms=-1), "stale"),
+        (command(1), "old-seq"),
+        (command(0), "old-seq"),
+        (command(2, echo=False), "no-echo"),
+        (command(2, session=8), "foreign-session"),
+        (command(2, velocity=(0.0, -2.01, 0.0)), "too-fast"),
+        (command(2, plan=((0.0, 0.0, 2.01),)), "too-fast"),
+        (command(2, "acknowledge", age_ms=1001), "stale"),
+        (command(2, "release", session=8), "foreign-session"),
+    ],
+)
+def test_refusal_is_counted_and_moves_nothing(watchdog, bad, reason):
+    watchdog.receive(command(1), START)
+    assert not watchdog.receive(bad, START)
+    assert watchdog.refused == {reason: 1}
+    assert watchdog.velocity(START) == V
+    assert (watchdog.applied_session, watchdog.applied_seq) == (7, 1)
+
+
+def test_echo_of_an_earlier_robot_session_is_refused(watchdog):
+    stranger = command(1)
+    echo = Echo(ROBOT - 1, 0, START, 0)
+    bad = VelocityCommand(source="op", session=7, seq=1, t_sent_ns=1, mode="run", velocity=V, echo=echo)
+    assert not watchdog.receive(bad, START)
+    assert watchdog.refused == {"foreign-echo": 1}
+    assert watchdog.lease.holder == 0
+    assert watchdog.receive(stranger, START)
+
+
+def test_estop_latches_from_anyone_and_only_the_holder_leads_out(watchdog):
+    watchdog.receive(command(1), START)
+    assert watchdog.receive(command(0, "estop", session=99, echo=False), START)
+    assert watchdog.mode == "estop"
+    assert not watchdog.receive(command(1, "acknowledge", session=99), START)
+    assert watchdog.mode == "estop"
+    assert not watchdog.receive(command(2), START)
+    assert watchdog.receive(command(3, "acknowledge"), START)
+    assert watchdog.mode == "hold"
+
+
+def test_handover_is_explicit_and_old_commands_stay_dead(watchdog):
+    watchdog.receive(command(1), START)
+    assert not watchdog.receive(command(1, "acknowledge", session=8), START)
+    assert watchdog.refused == {"held": 1}
+    assert watchdog.receive(command(2, "release"), START)
+    assert watchdog.reason == "control was released"
+    assert not watchdog.receive(command(2, "acknowledge", session=8), START)  # it cannot have known
+    assert watchdog.receive(command(3, "acknowledge", session=8, age_ms=0), START)
+    assert (watchdog.lease.holder, watchdog.lease.holder_name) == (8, "op")
+    watchdog.receive(command(4, "release", session=8), START)
+    assert not watchdog.receive(command(1), START)  # a replay of what session 7 once sent
+    assert watchdog.refused["old-seq"] == 1
+
+
+def test_silent_holder_loses_control(watchdog):
+    watchdog.receive(command(1), START)
+    gone = START + 2001 * MS
+    watchdog.tick(gone)
+    assert (watchdog.lease.holder, watchdog.mode) == (0, "stopped")
+    assert watchdog.lease.end == "silent"
+    assert not watchdog.receive(command(1, "acknowledge", session=8, now=gone, age_ms=1), gone)
+    assert watchdog.refused == {"held": 1}
+    assert watchdog.receive(command(2, "acknowledge", session=8, now=gone, age_ms=0), gone)
+    assert (watchdog.lease.holder, watchdog.mode) == (8, "hold")
+
+
+def test_lease_shorter_than_the_timeouts_ends_motion():
+    watchdog = Watchdog(SafetySettings(lease_timeout=0.1), ROBOT)
+    watchdog.receive(command(1, plan=(V,) * 20), START)
+    watchdog.tick(START + 101 * MS)
+    assert watchdog.mode == "hold"
+    assert watchdog.velocity(START + 150 * MS) == ZERO
+
+
+def test_stale_grant_is_no_grant(watchdog):
+    assert not watchdog.receive(command(1, "acknowledge", age_ms=1500), START)
+    assert not watchdog.receive(command(2, "hold", echo=False), START)
+    assert watchdog.lease.holder == 0
+
+
+def waiting(watchdog, now=START):
+    return watchdog.lease.waiting(now)
+
+
+def test_who_asks_is_remembered_for_three_seconds_and_only_if_the_request_is_fresh(watchdog):
+    watchdog.receive(command(1), START)
+    for bad in (
+        command(5, "acknowledge", session=8, age_ms=1001),
+        command(5, "acknowledge", session=8, echo=False),
+    ):
+        assert not watchdog.receive(bad, START)
+    assert waiting(watchdog) == ()
+    assert not watchdog.receive(command(5, "acknowledge", session=8, source="bob"), START)
+    assert not watchdog.receive(command(5, "acknowledge", session=8, source="mallory"), START)
+    assert watchdog.refused == {"stale": 1, "no-echo": 1, "held": 1, "old-seq": 1}
+    assert waiting(watchdog, START + 3000 * MS) == ((8, "bob"),)
+    assert waiting(watchdog, START + 3001 * MS) == ()
+    assert watchdog.lease.holder == 7
+
+
+def test_the_newest_four_that_ask_are_remembered(watchdog):
+    watchdog.receive(command(1), START)
+    for session in (11, 12, 13, 11, 14, 15):
+        watchdog.receive(command(session + len(watchdog.refused), "acknowledge", session=session), START)
+        watchdog.refused[f"{session}"] += 1
+    assert [session for session, _ in waiting(watchdog)] == [13, 11, 14, 15]
+
+
+@pytest.fixture
+def asked(watchdog):
+    """Session 7 runs, and session 8, bob, waits."""
+    watchdog.receive(command(1), START)
+    watchdog.receive(command(1, "acknowledge", session=8, source="bob"), START)
+    watchdog.refused.clear()
+    return watchdog
+
+
+def test_a_handover_rests_and_only_the_successor_has_control(asked):
+    assert asked.receive(command(2, "release", successor=8), START)
+    assert (asked.lease.holder, asked.lease.holder_name, waiting(asked)) == (8, "bob", ())
+    assert (asked.mode, asked.reason, asked.velocity(START)) == (
+        "hold",
+        "control was handed over to bob",
+        ZERO,
+    )
+    assert not asked.receive(command(3, age_ms=0), START)
+    assert not asked.receive(command(1, "acknowledge", session=9, age_ms=0), START)
+    assert asked.refused == {"foreign-session": 1, "held": 1}
+    assert asked.receive(command(2, session=8, age_ms=0), START)
+    assert (asked.mode, asked.velocity(START)) == ("run", V)
+
+
+def test_a_successor_that_is_never_heard_loses_control_by_itself(asked):
+    asked.receive(command(2, "release", successor=8), START)
+    asked.tick(START + 2000 * MS)
+    assert asked.lease.holder == 8
+    asked.tick(START + 2001 * MS)
+    assert (asked.lease.holder, asked.lease.holder_name, asked.lease.end) == (0, "", "silent")
+    assert (asked.mode, asked.reason) == ("hold", "the holder of control fell silent")
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        (command(2, "release", successor=9), "no-successor"),
+        (command(2, "release", successor=7), "no-successor"),
+        (command(2, "release", successor=8, age_ms=1001), "stale"),
+        (command(2, "release", successor=8, echo=False), "no-echo"),
+        (command(2, "release", successor=9, session=8), "foreign-session"),
+    ],
+)
+def test_a_handover_that_is_none_leaves_control_where_it_is(asked, bad, reason):
+    assert not asked.receive(bad, START)
+    assert asked.refused == {reason: 1}
+    assert (asked.lease.holder, asked.velocity(START)) == (7, V)
+
+
+def test_a_request_under_way_clears_no_stop_for_the_successor(asked):
+    asked.fault("it broke", START)
+    under_way = command(2, "acknowledge", session=8)
+    assert asked.receive(command(2, "release", successor=8), START)
+    assert not asked.receive(under_way, START)
+    assert (asked.mode, asked.lease.holder, asked.refused) == ("stopped", 8, {"held": 1})
+    assert asked.receive(command(3, "acknowledge", session=8, age_ms=0), START)
+    assert asked.mode == "hold"

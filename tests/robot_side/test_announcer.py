@@ -1,0 +1,90 @@
+import pytest
+
+from farhand.common.link.link import Packet
+from farhand.common.messages.base import Echo
+from farhand.common.messages.codec import encode
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.keys import command_key
+from farhand.common.scenario import SafetySettings
+from farhand.robot_side.announcer import Announcer
+from farhand.robot_side.safety.command_intake import CommandIntake
+from farhand.robot_side.safety.watchdog import Watchdog
+
+MS = 1_000_000
+ROBOT, ALICE, EVE = 7, 0xA11CE, 0xE7E
+
+
+class Rig:
+    """A watchdog and an intake, told what arrives, and what is said of it."""
+
+    def __init__(self):
+        self.said = []
+        self.watchdog = Watchdog(SafetySettings(), ROBOT)
+        self.intake = CommandIntake("r", self.watchdog)
+        self.announcer = Announcer(self.said.append, self.watchdog, self.intake)
+        self.now_ns = 1000 * MS
+
+    def send(self, session, seq, mode="run", count=1, source="operator"):
+        command = VelocityCommand(
+            source=source, session=session, seq=seq, t_sent_ns=1, mode=mode, velocity=(0.1, 0.0, 0.0),
+            echo=Echo(ROBOT, 1, self.now_ns, 0),
+        )  # fmt: skip
+        self.intake.take([Packet(command_key("r"), encode(command))] * count, self.now_ns)
+
+    def let(self, ms):
+        """Time passes; returns what was said meanwhile."""
+        before = len(self.said)
+        for _ in range(ms // 10):
+            self.now_ns += 10 * MS
+            self.watchdog.tick(self.now_ns)
+            self.announcer.look(self.now_ns)
+        return self.said[before:]
+
+
+@pytest.fixture
+def rig():
+    rig = Rig()
+    rig.send(ALICE, 1, "acknowledge")
+    assert rig.let(300)[-1].endswith("has control")
+    return rig
+
+
+def test_a_stop_and_its_end_are_said(rig):
+    rig.send(ALICE, 2)
+    lines = rig.let(1900)
+    assert [line for line in lines if line.startswith("stop: no good command for 1.5")]
+    rig.send(ALICE, 3, "acknowledge")
+    assert "acknowledged: may move again" in rig.let(300)
+
+
+def test_an_intruder_is_named_once_and_then_counted(rig):
+    rig.send(EVE, 1, count=100, source="eve")
+    first = f"refused a command of 'eve', session {EVE:x}: another session holds control"
+    assert rig.let(300)[0] == first
+    for seq in range(2, 60):
+        rig.send(ALICE, seq, "hold")
+        rig.send(EVE, seq, count=5, source="eve")
+        rig.let(200)
+    assert [line for line in rig.said if "'eve'" in line] == [first, f"{first} (349 more)"]
+
+
+def test_each_refusal_names_its_own_sender(rig):
+    rig.send(ALICE, 1, source="alice")  # old
+    rig.send(EVE, 1, source="eve")
+    lines = rig.let(300)
+    assert [line for line in lines if "'alice'" in line and "not newer" in line]
+    assert [line for line in lines if "'eve'" in line and "another session" in line]
+
+
+def test_garbage_is_named_by_its_kind(rig):
+    rig.intake.take([Packet(command_key("r"), b"\xc1garbage")], rig.now_ns)
+    assert rig.let(300) == ["refused a command: malformed"]
+
+
+def test_what_arrives_is_counted_whatever_became_of_it(rig):
+    before = rig.intake.arrived
+    rig.send(ALICE, 2)
+    rig.send(ALICE, 2)  # a copy
+    rig.send(EVE, 9)
+    rig.intake.take([Packet(command_key("r"), b"x")] * 1000, rig.now_ns)
+    assert rig.intake.arrived == before + 1003

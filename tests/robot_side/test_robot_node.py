@@ -1,0 +1,293 @@
+"""The robot's node over in-memory links and virtual time."""
+
+import json
+import math
+
+import msgspec
+import pytest
+
+from farhand.common.link.link import Packet, memory_wire
+from farhand.common.messages.base import SCHEMA, Echo
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.keys import command_key, scene_key, state_key
+from farhand.common.messages.scene import Obstacle, Scene
+from farhand.common.messages.state import RobotState
+from farhand.common.scenario import load_scenario
+from farhand.robot_side.obstacle_field import ObstacleField
+from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.point import PointRobot
+from farhand.robot_side.robots.registry import make_robot
+
+SESSION = 1234
+SECOND = 1_000_000_000
+SCENARIO = load_scenario("point-obstacle")
+
+
+class Bench:
+    """A node, the operator's end of its link, and what came out."""
+
+    def __init__(self, scenario=SCENARIO, robot=None):
+        self.far, link = memory_wire()
+        self.node = RobotNode(scenario, robot or make_robot(scenario), link, "r1", SESSION)
+        self.now = 7 * SECOND
+        self.states, self.scenes = [], []
+        self.decoders = {state_key("r1"): Decoder(RobotState), scene_key("r1"): Decoder(Scene)}
+        self.seq = 0
+
+    def tick(self, n=1):
+        for _ in range(n):
+            due = self.now
+            self.now = self.node.step(due)
+            for packet in self.far.receive():
+                message = self.decoders[packet.key].decode_or_raise(packet.payload)
+                (self.states if packet.key == state_key("r1") else self.scenes).append(message)
+
+    def command(self, velocity=(0.2, 0.0, 0.0), mode="run", session=7, **changes):
+        self.seq += 1
+        echo = Echo(SESSION, self.states[-1].seq, self.states[-1].t_sent_ns, 0) if self.states else None
+        fields = {"seq": self.seq, "echo": echo, "velocity": velocity, "mode": mode} | changes
+        return VelocityCommand(source="op", session=session, t_sent_ns=self.seq, **fields)
+
+    def send(self, payload, key=None):
+        payload = payload if isinstance(payload, bytes) else encode(payload)
+        self.far.send(Packet(key or command_key("r1"), payload))
+
+
+def test_good_command_moves_the_robot_and_is_shown():
+    bench = Bench()
+    bench.tick(2)
+    assert bench.states[-1].holder == 0
+    bench.send(bench.command(plan=((0.2, 0.0, 0.0),) * 9))
+    bench.tick(26)
+    state = bench.states[-1]
+    assert (state.mode, state.holder, state.applied_session, state.applied_seq) == ("hold", 7, 7, 1)
+    assert state.applied_for_ns == 25 * 20_000_000
+    assert state.velocity[0] == pytest.approx(0.2, rel=0.01)
+    assert (state.echo.session, state.echo.seq, state.echo.hold_ns) == (7, 1, state.applied_for_ns)
+    # position lag of a first-order plant: u (t - lag)
+    assert state.position[0] - 0.6 == pytest.approx(0.2 * (0.5 - 0.1), abs=2e-4)
+
+
+def test_unfed_run_plays_its_plan_then_stands():
+    bench = Bench()
+    bench.tick()
+    bench.send(bench.command(plan=((0.0, 0.0, 0.3),)))
+    bench.tick(60)
+    end = bench.states[-1].position
+    assert end[0] - 0.6 == pytest.approx(0.02, abs=1e-4)
+    assert end[2] - 0.6 == pytest.approx(0.03, abs=1e-4)
+
+
+@pytest.mark.parametrize("payload", [b"", b"\x00" * 50, b"\xff\xfe", b"\x81\xa1a" * 100, b"x" * (1 << 21)])
+def test_garbage_is_counted_and_moves_nothing(payload):
+    bench = Bench()
+    bench.tick()
+    bench.send(payload)
+    bench.tick()
+    assert sum(bench.states[-1].refused.values()) == 1
+    assert bench.states[-1].position == SCENARIO.start
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"velocity": (math.nan, 0.0, 0.0)}, "non-finite"),
+        ({"velocity": (math.inf, 0.0, 0.0)}, "non-finite"),
+        ({"velocity": (0.0, 0.0)}, "length"),
+        ({"plan": ((0.0, math.nan, 0.0),)}, "non-finite"),
+        ({"schema": SCHEMA + 1}, "schema"),
+        ({"echo": None}, "no-echo"),
+    ],
+)
+def test_malformed_command_is_counted_by_reason(change, reason):
+    bench = Bench()
+    bench.tick()
+    fields = msgspec.to_builtins(bench.command()) | change
+    bench.send(msgspec.msgpack.encode(fields))
+    bench.tick()
+    assert bench.states[-1].refused == {reason: 1}
+    assert bench.states[-1].holder == 0
+
+
+def test_burst_of_old_commands_after_an_outage_moves_nothing():
+    bench = Bench()
+    bench.tick(2)
+    bench.send(bench.command())
+    bench.tick(5)
+    held_back = [bench.command(velocity=(0.5, 0.0, 0.5)) for _ in range(40)]
+    bench.tick(100)
+    before = bench.states[-1].position
+    for command in held_back:
+        bench.send(command)
+    bench.tick(20)
+    assert bench.states[-1].mode == "stopped"
+    assert bench.states[-1].refused == {"stale": 40}
+    assert bench.states[-1].position == pytest.approx(before, abs=1e-7)
+
+
+def test_foreign_sessions_never_enter_the_echo():
+    bench = Bench()
+    bench.tick()
+    bench.send(bench.command(session=7))
+    bench.tick()
+    bench.send(bench.command(session=8))
+    bench.tick()
+    assert bench.states[-1].echo.session == 7
+    assert bench.states[-1].refused == {"foreign-session": 1}
+
+
+def test_flood_costs_a_bounded_number_of_decodes_and_keeps_the_newest():
+    bench = Bench()
+    bench.tick()
+    for _ in range(1000):
+        bench.send(bench.command())
+    bench.tick()
+    assert bench.states[-1].refused == {"flood": 744}
+    assert bench.states[-1].applied_seq == 1000
+    assert bench.node.intake.received == 256
+
+
+def test_other_keys_are_not_commands():
+    bench = Bench()
+    bench.tick()
+    bench.send(bench.command(), key="farhand/r2/command")
+    bench.tick()
+    assert bench.states[-1].holder == 0
+    assert bench.states[-1].refused == {}
+
+
+class BrokenRobot(PointRobot):
+    """Fails in one call once, or for good."""
+
+    def __init__(self, call, times):
+        super().__init__(SCENARIO.start, 0.1)
+        self.call, self.times, self.armed = call, times, False
+        self.velocities = []
+
+    def _fail(self, call):
+        if self.armed and call == self.call and self.times:
+            self.times -= 1
+            raise RuntimeError("gearbox")
+
+    def sample(self):
+        self._fail("sample")
+        return super().sample()
+
+    def step(self, velocity, dt):
+        self._fail("step")
+        self.velocities.append(velocity)
+        super().step(velocity, dt)
+
+    def arm_clearance(self, obstacles):
+        self._fail("arm_clearance")
+        return None
+
+
+@pytest.mark.parametrize("call", ["sample", "step", "arm_clearance"])
+@pytest.mark.parametrize("times", [1, 10**9])
+def test_any_exception_stops_the_robot_and_states_go_on(call, times):
+    robot = BrokenRobot(call, times)
+    bench = Bench(robot=robot)
+    bench.tick(2)
+    bench.send(bench.command())
+    bench.tick()
+    robot.armed = True
+    sent = len(bench.states)
+    bench.tick()
+    robot.velocities.clear()
+    for _ in range(20):
+        bench.send(bench.command())
+        bench.tick()
+    assert len(bench.states) == sent + 21
+    assert bench.states[-1].mode == "stopped"
+    assert bench.states[-1].reason == "fault: RuntimeError: gearbox"
+    assert set(robot.velocities) <= {(0.0, 0.0, 0.0)}
+    assert bench.states[-1].stops == 1
+
+
+def test_state_that_is_not_finite_is_a_fault():
+    robot = PointRobot(SCENARIO.start, 0.1)
+    bench = Bench(robot=robot)
+    bench.tick(2)
+    robot._velocity = (math.nan, 0.0, 0.0)
+    bench.tick(2)
+    assert bench.states[-1].reason.startswith("fault: ")
+    assert bench.states[-1].velocity == (0.0, 0.0, 0.0)
+
+
+def test_missed_ticks_are_made_good():
+    punctual, late = Bench(), Bench()
+    for bench in (punctual, late):
+        bench.tick()
+        bench.send(bench.command(plan=((0.2, 0.0, 0.0),) * 9))
+        bench.tick()
+    punctual.tick(5)
+    late.now += 4 * 20_000_000
+    late.tick()
+    assert late.states[-1].position == pytest.approx(punctual.states[-1].position, abs=1e-12)
+    assert late.node.summary()["overruns"] == 4
+    assert late.node.summary()["ticks"] == punctual.node.summary()["ticks"]
+
+
+def test_early_wake_up_does_nothing():
+    bench = Bench()
+    bench.tick()
+    assert bench.node.step(bench.now - 1) == bench.now
+    assert bench.node.summary()["ticks"] == 1
+
+
+def test_scene_once_a_second_on_a_new_holder_and_on_change():
+    bench = Bench()
+    bench.tick(101)
+    assert len(bench.scenes) == 3
+    assert bench.scenes[0].obstacles == SCENARIO.obstacles
+    assert bench.scenes[0].targets == SCENARIO.targets
+    assert bench.scenes[0].robot_radius == SCENARIO.robot.radius
+    bench.send(bench.command())
+    bench.tick()
+    assert len(bench.scenes) == 4
+    bench.node.replace_obstacles([Obstacle("new", (1.0, 1.0, 1.0), 0.1)], bench.now)
+    bench.tick()
+    assert [o.id for o in bench.scenes[-1].obstacles] == ["new"]
+    assert [scene.seq for scene in bench.scenes] == list(range(5))
+
+
+def test_clearance_follows_moving_obstacles():
+    mover = Obstacle("mover", (2.6, 0.0, 0.6), 0.3, (-0.5, 0.0, 0.0))
+    scenario = msgspec.structs.replace(SCENARIO, obstacles=(mover,))
+    bench = Bench(scenario)
+    bench.tick(101)
+    assert bench.states[-1].clearance == pytest.approx(2.0 - 0.3 - 0.1837 - 0.5 * 2.0, abs=1e-9)
+    assert bench.scenes[-1].obstacles[0].position == pytest.approx((1.6, 0.0, 0.6), abs=1e-9)
+    assert bench.scenes[-1].t_sample_ns == 9 * SECOND
+
+
+def test_clearance_by_loop_and_by_numpy_agree():
+    few = [Obstacle(f"o{k}", (0.1 * k, 1.0, -0.2 * k), 0.05, (0.01 * k, 0.0, 0.1)) for k in range(24)]
+    far = Obstacle("far", (90.0, 0.0, 0.0), 0.1)
+    point = (0.7, 0.3, -1.0)
+    by_loop = ObstacleField(few, 0).clearance(point, 0.2, 3 * SECOND)
+    by_numpy = ObstacleField([*few, far], 0).clearance(point, 0.2, 3 * SECOND)
+    nearest = min(
+        math.dist(point, [p + 3 * v for p, v in zip(o.position, o.velocity, strict=True)]) - 0.05 for o in few
+    )
+    assert by_loop == pytest.approx(nearest - 0.2, abs=1e-12)
+    assert by_numpy == pytest.approx(by_loop, abs=1e-12)
+    assert ObstacleField([], 0).clearance(point, 0.2, 0) == 1e6
+
+
+def test_summary_is_json_and_holds_the_worst_clearance():
+    bench = Bench()
+    bench.tick()
+    for _ in range(150):
+        bench.send(bench.command(velocity=(0.5, 0.0, 0.5 * 1.25 / 1.7)))
+        bench.tick()
+    summary = json.loads(json.dumps(bench.node.summary()))
+    assert summary["min_clearance"] < 1.0
+    assert summary["min_clearance"] == min(state.clearance for state in bench.states)
+    assert summary["path_length"] == pytest.approx(math.dist(bench.states[-1].position, SCENARIO.start))
+    assert [change[1] for change in summary["changes"]] == ["run"]
+    t, x, y, z, clearance = bench.node.trajectory[-1]
+    assert t == pytest.approx(3.0)
+    assert ((x, y, z), clearance) == (bench.states[-1].position, bench.states[-1].clearance)
