@@ -1,0 +1,106 @@
+"""The one form of every registry: kinds by name, those built in and those that installed packages bring.
+
+A kind is a class in a small file of its own. Built-in kinds are named as `module:Class` and imported only when they
+are asked for, so that a program starts fast and needs only what it uses. Packages from outside bring theirs by
+entry points (`[project.entry-points."farhand.margins"]`, `mine = "my_package.my_module:MyMargin"`).
+"""
+
+import difflib
+import importlib
+import importlib.metadata
+from collections.abc import Mapping
+from typing import Generic, TypeVar
+
+from farhand.common.errors import InputError
+
+T = TypeVar("T")
+
+
+class Kinds(Generic[T]):
+    """A registry.
+
+    Args:
+        what: what the kinds are, for messages, e.g. "margin law".
+        group: name of the entry points, e.g. "farhand.margins".
+        base: what each kind must be a subclass of; None where any object will do.
+        built_in: name -> `module:attribute`, in the order in which they are listed.
+    """
+
+    def __init__(self, what: str, group: str, base: type | None, built_in: Mapping[str, str]) -> None:
+        self.what, self.group = what, group
+        self._base = base
+        self._built_in = dict(built_in)
+        self._outside: dict[str, list[importlib.metadata.EntryPoint]] | None = None
+        self._loaded: dict[str, T] = {}
+
+    def names(self) -> tuple[str, ...]:
+        """All names: the built-in ones first, then those from outside in alphabetical order."""
+        return (*self._built_in, *sorted(set(self._entry_points()) - set(self._built_in)))
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._built_in or name in self._entry_points()
+
+    def get(self, name: str, where: str = "") -> T:
+        """The kind of that name.
+
+        Args:
+            name: which.
+            where: what asks, for the message, e.g. "margin.kind" or "--margin".
+
+        Raises:
+            InputError: no such kind; or an installed package's cannot be imported, is none, or its name is taken.
+        """
+        if name not in self._loaded:
+            self._loaded[name] = self._load(name, where)
+        return self._loaded[name]
+
+    def _load(self, name: str, where: str) -> T:
+        points = self._entry_points().get(name, [])
+        if name in self._built_in:
+            if points:
+                raise InputError(
+                    f"{_brought(points)}: {self.group}: {name!r} is built in; choose another name"
+                )
+            return self._import(self._built_in[name])
+        if not points:
+            raise InputError(self._unknown(name, where))
+        if len(points) > 1:
+            raise InputError(
+                f"{_brought(points)}: {self.group}: each brings a {self.what} {name!r}; remove one"
+            )
+        try:
+            kind: T = points[0].load()
+        except Exception as error:  # whatever a stranger's module does at import
+            raise InputError(
+                f"{_brought(points)}: {self.group}: {self.what} {name!r} cannot be imported from "
+                f"{points[0].value}: {type(error).__name__}: {error}"
+            ) from None
+        if self._base is not None and not (isinstance(kind, type) and issubclass(kind, self._base)):
+            raise InputError(
+                f"{_brought(points)}: {self.group}: {name!r} is {points[0].value}, which is no subclass of "
+                f"{self._base.__module__}.{self._base.__qualname__}"
+            )
+        return kind
+
+    def _import(self, path: str) -> T:
+        module, _, attribute = path.partition(":")
+        kind: T = getattr(importlib.import_module(module), attribute)
+        return kind
+
+    def _entry_points(self) -> dict[str, list[importlib.metadata.EntryPoint]]:
+        if self._outside is None:
+            self._outside = {}
+            for point in importlib.metadata.entry_points(group=self.group):
+                self._outside.setdefault(point.name, []).append(point)
+        return self._outside
+
+    def _unknown(self, name: str, where: str) -> str:
+        close = difflib.get_close_matches(name, self.names(), n=1)
+        hint = f"; is {close[0]!r} meant?" if close else "."
+        start = f"{where}: " if where else ""
+        return f"{start}no {self.what} is called {name!r}{hint} There are: {', '.join(self.names())}"
+
+
+def _brought(points: list[importlib.metadata.EntryPoint]) -> str:
+    names = sorted({point.dist.name if point.dist is not None else "?" for point in points})
+    return f"package {' and '.join(names)}"

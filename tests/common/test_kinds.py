@@ -1,0 +1,86 @@
+"""Registries: built-in kinds, kinds that packages bring, and what is said of those that cannot be."""
+
+import importlib.metadata
+
+import pytest
+
+from farhand.common.errors import InputError
+from farhand.common.kinds import Kinds
+
+
+class Base:
+    """What the kinds are."""
+
+
+class Mine(Base):
+    """A kind from outside."""
+
+
+class Other:
+    """No kind."""
+
+
+class _Distribution:
+    name = "their-package"
+
+
+def point(name: str, value: str) -> importlib.metadata.EntryPoint:
+    made = importlib.metadata.EntryPoint(name, value, "farhand.things")
+    vars(made).update(dist=_Distribution())
+    return made
+
+
+@pytest.fixture
+def outside(monkeypatch):
+    """A function that says what installed packages bring."""
+    brought: list[importlib.metadata.EntryPoint] = []
+    monkeypatch.setattr(
+        "importlib.metadata.entry_points", lambda group: [p for p in brought if p.group == group]
+    )
+    return brought.append
+
+
+def kinds() -> Kinds[type[Base]]:
+    return Kinds(
+        "thing", "farhand.things", Base, {"base": f"{__name__}:Base", "heavy": "no_such_module:Heavy"}
+    )
+
+
+def test_a_built_in_kind_is_imported_only_when_asked_for(outside):
+    found = kinds()
+    assert found.names() == ("base", "heavy")
+    assert found.get("base").__name__ == "Base"
+    with pytest.raises(ModuleNotFoundError):
+        found.get("heavy")
+
+
+def test_a_package_brings_a_kind(outside):
+    outside(point("mine", f"{__name__}:Mine"))
+    found = kinds()
+    assert found.names() == ("base", "heavy", "mine")
+    assert "mine" in found
+    assert found.get("mine").__name__ == "Mine"
+
+
+@pytest.mark.parametrize(
+    ("points", "name", "words"),
+    [
+        ((), "bose", "margin.kind: no thing is called 'bose'; is 'base' meant?"),
+        ((), "zzz", "no thing is called 'zzz'. There are: base, heavy"),
+        (
+            (("mine", "no_such_module:Mine"),),
+            "mine",
+            "package their-package: farhand.things: thing 'mine' cannot",
+        ),
+        ((("mine", f"{__name__}:Other"),), "mine", "is no subclass of"),
+        ((("mine", f"{__name__}:Mine"), ("mine", "b:C")), "mine", "each brings a thing 'mine'"),
+        ((("base", f"{__name__}:Mine"),), "base", "'base' is built in"),
+    ],
+)
+def test_what_cannot_be_is_one_line(outside, points, name, words):
+    for entry in points:
+        outside(point(*entry))
+    with pytest.raises(InputError) as caught:
+        kinds().get(name, "margin.kind")
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
