@@ -19,11 +19,11 @@ from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import command_key
-from farhand.common.scenario import Scenario, load_scenario
 from farhand.common.timing.clock import SystemClock, processor_seconds
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
+from farhand.runs.scenario import Scenario, load_scenario
 
 SESSION = 1
 RATE_HZ = 500.0

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from farhand.common.scenario import ControllerSettings
 from farhand.common.seeds import stream
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution
 from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.settings import ControllerSettings
 
 COUNTS = (0, 1, 2, 3, 5, 10, 20, 50, 100)
 SETTINGS = ControllerSettings()

@@ -17,10 +17,10 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from farhand.common.scenario import Scenario, load_scenario
 from farhand.common.timing.clock import processor_seconds
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.laboratory.simulation import simulate
+from farhand.runs.scenario import Scenario, load_scenario
 
 NETWORK = "uniform:50,200"
 TARGETS = {"point-obstacle": 100.0, "box-obstacle": 100.0, "ur5-obstacle": 8.0}

@@ -37,6 +37,10 @@ class Kinds(Generic[T]):
         """All names: the built-in ones first, then those from outside in alphabetical order."""
         return (*self._built_in, *sorted(set(self._entry_points()) - set(self._built_in)))
 
+    def is_outside(self, name: str) -> bool:
+        """Whether an installed package brings it, or nobody does."""
+        return name not in self._built_in
+
     def __contains__(self, name: object) -> bool:
         return name in self._built_in or name in self._entry_points()
 
@@ -96,9 +100,9 @@ class Kinds(Generic[T]):
 
     def _unknown(self, name: str, where: str) -> str:
         close = difflib.get_close_matches(name, self.names(), n=1)
-        hint = f"; is {close[0]!r} meant?" if close else "."
-        start = f"{where}: " if where else ""
-        return f"{start}no {self.what} is called {name!r}{hint} There are: {', '.join(self.names())}"
+        hint = f"is {close[0]!r} meant? " if close else ""
+        place = f"{where} {name!r}" if where else repr(name)
+        return f"{place}: no such {self.what}; {hint}there are {', '.join(self.names())}"
 
 
 def _brought(points: list[importlib.metadata.EntryPoint]) -> str:

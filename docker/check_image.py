@@ -7,9 +7,10 @@ from importlib import import_module
 import msgspec
 
 from farhand.cli import run
-from farhand.common.scenario import ControllerSettings, load_scenario
 from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.settings import ControllerSettings
 from farhand.robot_side.robots.registry import make_robot
+from farhand.runs.scenario import load_scenario
 
 PACKAGES = ("farhand",)
 NOT_FOR_CONTAINERS = ("farhand.__main__", "farhand.pytest_plugin")

@@ -1,1 +1,111 @@
-"""The front door and the laboratory: command line, demo, simulation, experiments."""
+"""Move a robot that is far away, over a network that delays, jitters and loses messages, without it hitting anything.
+
+The public names; each is imported only when it is used. docs/extend.md says what one does with them.
+"""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from farhand.common.errors import FarhandError as FarhandError
+    from farhand.common.errors import InputError as InputError
+    from farhand.common.link.link import Packet as Packet
+    from farhand.common.messages.base import Vector3 as Vector3
+    from farhand.common.messages.command import VelocityCommand as VelocityCommand
+    from farhand.common.messages.report import ControlReport as ControlReport
+    from farhand.common.messages.scene import Obstacle as Obstacle
+    from farhand.common.messages.scene import Scene as Scene
+    from farhand.common.messages.state import RobotState as RobotState
+    from farhand.common.scenario.section import NoSettings as NoSettings
+    from farhand.common.scenario.section import Section as Section
+    from farhand.laboratory.simulation import SimulationResult as SimulationResult
+    from farhand.laboratory.simulation import simulate as simulate
+    from farhand.netem.recordings.trace import Trace as Trace
+    from farhand.netem.recordings.trace import load_trace as load_trace
+    from farhand.netem.spec import Spec as Spec
+    from farhand.netem.spec import parse_spec as parse_spec
+    from farhand.operator_side.control.controller import Controller as Controller
+    from farhand.operator_side.control.controller import ControlProblem as ControlProblem
+    from farhand.operator_side.control.controller import ControlSolution as ControlSolution
+    from farhand.operator_side.control.controller import Status as Status
+    from farhand.operator_side.margins.law import Margin as Margin
+    from farhand.operator_side.margins.law import MarginInput as MarginInput
+    from farhand.operator_side.margins.law import MarginLaw as MarginLaw
+    from farhand.operator_side.prediction.law import Known as Known
+    from farhand.operator_side.prediction.law import Prediction as Prediction
+    from farhand.operator_side.prediction.law import StatePredictor as StatePredictor
+    from farhand.operator_side.settings import ControllerSettings as ControllerSettings
+    from farhand.operator_side.settings import MarginSettings as MarginSettings
+    from farhand.operator_side.settings import OperatorSettings as OperatorSettings
+    from farhand.operator_side.steering.device import SteeringDevice as SteeringDevice
+    from farhand.operator_side.steering.device import SteeringInput as SteeringInput
+    from farhand.operator_side.steering.device import View as View
+    from farhand.robot_side.robots.robot import Robot as Robot
+    from farhand.robot_side.robots.robot import RobotSample as RobotSample
+    from farhand.robot_side.settings import RobotScenario as RobotScenario
+    from farhand.robot_side.settings import RobotSettings as RobotSettings
+    from farhand.robot_side.settings import SafetySettings as SafetySettings
+    from farhand.runs.scenario import Scenario as Scenario
+    from farhand.runs.scenario import load_scenario as load_scenario
+    from farhand.runs.scenario import replace_setting as replace_setting
+    from farhand.runs.summary import RunSummary as RunSummary
+
+_HOME = {
+    "FarhandError": "common.errors",
+    "InputError": "common.errors",
+    "Packet": "common.link.link",
+    "Vector3": "common.messages.base",
+    "VelocityCommand": "common.messages.command",
+    "ControlReport": "common.messages.report",
+    "Obstacle": "common.messages.scene",
+    "Scene": "common.messages.scene",
+    "RobotState": "common.messages.state",
+    "NoSettings": "common.scenario.section",
+    "Section": "common.scenario.section",
+    "SimulationResult": "laboratory.simulation",
+    "simulate": "laboratory.simulation",
+    "Trace": "netem.recordings.trace",
+    "load_trace": "netem.recordings.trace",
+    "Spec": "netem.spec",
+    "parse_spec": "netem.spec",
+    "Controller": "operator_side.control.controller",
+    "ControlProblem": "operator_side.control.controller",
+    "ControlSolution": "operator_side.control.controller",
+    "Status": "operator_side.control.controller",
+    "Margin": "operator_side.margins.law",
+    "MarginInput": "operator_side.margins.law",
+    "MarginLaw": "operator_side.margins.law",
+    "Known": "operator_side.prediction.law",
+    "Prediction": "operator_side.prediction.law",
+    "StatePredictor": "operator_side.prediction.law",
+    "ControllerSettings": "operator_side.settings",
+    "MarginSettings": "operator_side.settings",
+    "OperatorSettings": "operator_side.settings",
+    "SteeringDevice": "operator_side.steering.device",
+    "SteeringInput": "operator_side.steering.device",
+    "View": "operator_side.steering.device",
+    "Robot": "robot_side.robots.robot",
+    "RobotSample": "robot_side.robots.robot",
+    "RobotScenario": "robot_side.settings",
+    "RobotSettings": "robot_side.settings",
+    "SafetySettings": "robot_side.settings",
+    "Scenario": "runs.scenario",
+    "load_scenario": "runs.scenario",
+    "replace_setting": "runs.scenario",
+    "RunSummary": "runs.summary",
+}
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str) -> object:
+    """A public name, imported on its first use (PEP 562)."""
+    home = _HOME.get(name)
+    if home is None:
+        raise AttributeError(f"module 'farhand' has no attribute {name!r}")
+    found: object = getattr(importlib.import_module(f"farhand.{home}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOME])

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from farhand.common.scenario import Scenario
     from farhand.laboratory.simulation import SimulationResult
     from farhand.operator_side.control.controller import Controller
     from farhand.robot_side.robots.robot import Robot
+    from farhand.runs.scenario import Scenario
     from farhand.runs.summary import RunSummary
 
 KEYWORDS = (
@@ -174,8 +174,8 @@ def farhand(request: pytest.FixtureRequest) -> Farhand:
 
 
 def _scenario(settings: Settings) -> Scenario:
-    from farhand.common.scenario import load_scenario, replace_setting
     from farhand.netem.spec import parse_spec
+    from farhand.runs.scenario import load_scenario, replace_setting
 
     for spec in (settings.network, settings.uplink, settings.downlink):
         if spec is not None:

@@ -4,9 +4,17 @@ from typing import Any
 
 import msgspec
 
+from farhand.common.scenario.section import Section
 from farhand.netem.netem_node import DIRECTIONS
 from farhand.netem.release_queue import Limits
 from farhand.netem.spec import Spec, parse_spec
+
+
+class NetworkSettings(Section, frozen=True, kw_only=True):
+    """Network SPECs for each direction, as on the command line."""
+
+    uplink: str = "none"
+    downlink: str = "none"
 
 
 class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):

@@ -1,12 +1,13 @@
 """The operator's side, once a tick:
 
 link -> perception (newest state, scene) -> round trip, innovations
-     -> steering device (desired velocity) -> supervision (mode)
+     -> targets reached -> steering device (desired velocity) -> supervision (mode)
      -> state predictor (where the robot will be) -> margin -> safety filter (MPC-CBF)
      -> velocity command with its plan -> link,  and a report of it all.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 from farhand.common.geometry import norm, to_vector3
@@ -18,18 +19,22 @@ from farhand.common.messages.keys import command_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import Scenario
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.executor import Periodic
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.margins.margin import Margin, MarginInput, make_margin
+from farhand.operator_side.margins.law import Margin, MarginInput
+from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.command_history import ZERO, CommandHistory
-from farhand.operator_side.prediction.state_predictor import Innovations, Prediction, make_predictor
-from farhand.operator_side.reporting import ReportWriter
+from farhand.operator_side.prediction.innovations import Innovations
+from farhand.operator_side.prediction.law import Known, Prediction
+from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.operator_side.reporting import ReportWriter, Tick
 from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.safety_filter import Filtered, SafetyFilter
-from farhand.operator_side.steering.device import SteeringDevice, SteeringInput
+from farhand.operator_side.settings import OperatorScenario
+from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
+from farhand.operator_side.steering.targets import Targets
 from farhand.operator_side.supervision import Supervision
 
 STALE_STATE = "no news from the robot: resynchronising"
@@ -43,6 +48,21 @@ class Recorder(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class OperatorIdentity:
+    """Who steers which robot.
+
+    Attributes:
+        robot: the robot's name.
+        session: this start of the operator's program.
+        name: the operator's own, which all others are told.
+    """
+
+    robot: str
+    session: int
+    name: str = "operator"
+
+
 class OperatorNode:
     """See the module's docstring.
 
@@ -51,48 +71,47 @@ class OperatorNode:
         controller: the safety filter, prepared.
         device: what steers.
         link: to the robot.
-        name: the robot's name.
-        session: this process's session.
+        who: steers which robot.
+        lag: of the robot's velocity response (s).
         stopwatch: reads seconds, to report how long a solve took; None reports 0 (virtual time).
-        operator: the operator's own name, which all others are told.
     """
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: OperatorScenario,
         controller: Controller,
         device: SteeringDevice,
         link: Link,
-        name: str,
-        session: int,
+        who: OperatorIdentity,
+        lag: float,
         stopwatch: Callable[[], float] | None = None,
-        operator: str = "operator",
     ) -> None:
-        self.scenario, self.device, self.session, self.operator = scenario, device, session, operator
+        self.scenario, self.device, self.who, self.session = scenario, device, who, who.session
         self.report: ControlReport | None = None
         self.recorder: Recorder | None = None
-        self._link, self._key = link, command_key(name)
+        self._link, self._key = link, command_key(who.robot)
         self._stopwatch = stopwatch
         self._ticks = Periodic(to_ns(scenario.controller.period))
         self._period = scenario.controller.period
-        self._perception = Perception(name)
-        self.round_trip = RoundTrip(session, scenario.margin.rtt_window)
+        self._perception = Perception(who.robot)
+        self.round_trip = RoundTrip(who.session, scenario.margin.rtt_window)
         self._history = CommandHistory()
-        lag = scenario.robot.lag
-        self._innovations = Innovations(self._history, session, lag, scenario.margin.innovation_window)
-        self._predictor = make_predictor(scenario.predictor, self._history, session, self._period, lag)
-        self._margin = make_margin(scenario.margin, scenario.controller)
-        self._adaptive = scenario.margin.kind == "adaptive"
-        self._filter = SafetyFilter(scenario, controller)
-        self._supervision = Supervision(session, operator)
-        self._writer = ReportWriter(operator, session, self._perception, self.round_trip)
+        self._margin = make_margin(scenario.margin)
+        known = Known(self._history, who.session, self._period, lag)
+        self._innovations = Innovations(known, scenario.margin.innovation_window)
+        predictor = scenario.operator.predictor or self._margin.predictor
+        self._predictor = PREDICTORS.get(predictor, "operator.predictor")(known)
+        self._filter = SafetyFilter(scenario.controller, controller, lag)
+        self._targets = Targets(scenario.operator.tolerance)
+        self._supervision = Supervision(who.session, who.name)
+        self._writer = ReportWriter(who.name, who.session, self._perception, self.round_trip)
         self._seq = -1
         self.driving_since_ns: int | None = None  # instant of the first `run` command
 
     @property
     def finished(self) -> bool:
-        """Whether the device has nothing left to do."""
-        return self.device.finished
+        """Whether every target has been reached."""
+        return self._targets.finished
 
     @property
     def state(self) -> RobotState | None:
@@ -138,7 +157,8 @@ class OperatorNode:
         state, scene = self._perception.state, self._perception.scene
         steering = None
         if state is not None and scene is not None:
-            steering = self.device.read(state, scene, now_ns)
+            self._targets.update(state, scene)
+            steering = self.device.read(View(state, scene, self._targets, now_ns))
         decision = self._supervision.step(state, scene, steering, now_ns)
         mode, reason = decision.mode, decision.reason
         prediction, margin, filtered, solve_time = Prediction(ZERO), Margin(), None, 0.0
@@ -160,19 +180,21 @@ class OperatorNode:
                 self.round_trip.sent(self._seq, now_ns)
             payload = self._send(now_ns, mode, velocities[0], velocities[1:], desired, decision.successor)
         self.report = self._writer.write(
-            now_ns,
-            seq=self._seq,
-            mode=mode or "hold",
-            reason=reason,
-            desired=desired,
-            velocity=velocities[0],
-            prediction=prediction,
-            prediction_error=self._innovations.newest,
-            margin=margin,
-            filtered=filtered,
-            solve_time=solve_time,
-            progress=self.device.progress,
-            overruns=self._ticks.overruns,
+            Tick(
+                now_ns=now_ns,
+                seq=self._seq,
+                mode=mode or "hold",
+                reason=reason,
+                desired=desired,
+                velocity=velocities[0],
+                prediction=prediction,
+                prediction_error=self._innovations.newest,
+                margin=margin,
+                filtered=filtered,
+                solve_time=solve_time,
+                overruns=self._ticks.overruns,
+            ),
+            self._targets,
         )
         if self.recorder is not None:
             self.recorder.tick(now_ns, packets, payload, self.report)
@@ -207,7 +229,7 @@ class OperatorNode:
         now_ns: int,
     ) -> tuple[Filtered | None, str]:
         """The filtered plan, or None and why the robot shall stand."""
-        if self._adaptive and self.round_trip.age(now_ns) > self.scenario.operator.resync_after:
+        if self._margin.resyncs and self.round_trip.age(now_ns) > self.scenario.operator.resync_after:
             # Rule 3: after silence nothing is known of what the robot did; stand until it answers.
             self._filter.stand_still()
             return None, STALE_STATE
@@ -219,7 +241,7 @@ class OperatorNode:
         n = self.scenario.controller.horizon
         if filtered is None:
             return (ZERO,) * n
-        if self.scenario.predictor in ("echo", "timeline"):
+        if self._predictor.knows_plan:
             return tuple((float(v[0]), float(v[1]), float(v[2])) for v in filtered.plan.tolist())
         return (to_vector3(filtered.plan[0]),) * n
 
@@ -233,7 +255,7 @@ class OperatorNode:
         successor: int = 0,
     ) -> bytes:
         command = VelocityCommand(
-            source=self.operator,
+            source=self.who.name,
             session=self.session,
             seq=self._seq,
             t_sent_ns=now_ns,

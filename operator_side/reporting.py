@@ -1,13 +1,43 @@
 """Writes the report of a tick: the one message that live status, console and recorder read."""
 
+from dataclasses import dataclass
+
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.command import CommandMode
 from farhand.common.messages.report import ControlReport
-from farhand.operator_side.margins.margin import Margin
+from farhand.operator_side.margins.law import Margin
 from farhand.operator_side.perception import Perception
-from farhand.operator_side.prediction.state_predictor import Prediction
+from farhand.operator_side.prediction.law import Prediction
 from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.safety_filter import Filtered
+from farhand.operator_side.steering.targets import Targets
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tick:
+    """What was decided in one tick; see ControlReport for what is not said here.
+
+    Attributes:
+        now_ns: its beginning.
+        reason: why the operator side commands zero, or empty.
+        velocity: what is sent (m/s).
+        prediction_error: newest innovation (m).
+        filtered: the filter's answer; None where it was not asked.
+        solve_time: (s).
+    """
+
+    now_ns: int
+    seq: int
+    mode: CommandMode
+    reason: str
+    desired: Vector3
+    velocity: Vector3
+    prediction: Prediction
+    prediction_error: float
+    margin: Margin
+    filtered: Filtered | None
+    solve_time: float
+    overruns: int
 
 
 class ReportWriter:
@@ -21,25 +51,10 @@ class ReportWriter:
         self._perception, self._round_trip = perception, round_trip
         self._tick = -1
 
-    def write(
-        self,
-        now_ns: int,
-        *,
-        seq: int,
-        mode: CommandMode,
-        reason: str,
-        desired: Vector3,
-        velocity: Vector3,
-        prediction: Prediction,
-        prediction_error: float,
-        margin: Margin,
-        filtered: Filtered | None,
-        solve_time: float,
-        progress: tuple[int, int],
-        overruns: int,
-    ) -> ControlReport:
+    def write(self, tick: Tick, targets: Targets) -> ControlReport:
         """The report of one tick; see ControlReport for the fields."""
         self._tick += 1
+        now_ns, margin, filtered = tick.now_ns, tick.margin, tick.filtered
         state, trip = self._perception.state, self._round_trip
         seen = state is not None
         known = trip.count > 0
@@ -47,16 +62,16 @@ class ReportWriter:
         return ControlReport(
             source=self._operator,
             session=self._session,
-            seq=seq,
+            seq=tick.seq,
             t_sent_ns=now_ns,
             tick=self._tick,
-            mode=mode,
-            desired=desired,
-            filtered=velocity,
+            mode=tick.mode,
+            desired=tick.desired,
+            filtered=tick.velocity,
             intervening=filtered is not None and (bool(filtered.binding) or bool(filtered.reason)),
             position=state.position if state else (0.0, 0.0, 0.0),
-            predicted=prediction.start,
-            prediction_error=prediction_error,
+            predicted=tick.prediction.start,
+            prediction_error=tick.prediction_error,
             sigma=margin.sigma,
             inflation=margin.inflation,
             margin_parts=margin.parts,
@@ -67,19 +82,19 @@ class ReportWriter:
             age=max(0.0, trip.age(now_ns)),
             state_age=max(0.0, state_age),
             status=filtered.solution.status.value if filtered else "idle",
-            solve_time=solve_time,
+            solve_time=tick.solve_time,
             binding=filtered.binding if filtered else "",
             clearance=state.clearance if state else None,
             min_clearance=state.min_clearance if state else None,
             safety=state.mode if state else None,
             safety_reason=state.reason if state else "",
-            stop_reason=reason[:512],
-            target_index=progress[0],
-            target_count=progress[1],
+            stop_reason=tick.reason[:512],
+            target_index=targets.reached,
+            target_count=targets.count,
             refused_here=self._perception.refused,
             refused_there=sum(state.refused.values()) if state else 0,
             stops=state.stops if state else 0,
             state_rate=self._perception.state_rate(now_ns),
             states=self._perception.states,
-            overruns=overruns,
+            overruns=tick.overruns,
         )

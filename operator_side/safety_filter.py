@@ -8,12 +8,12 @@ from farhand.common.geometry import Array
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import Scenario
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import eased
 from farhand.operator_side.control.controller import Controller, ControlProblem, ControlSolution, zero_plan
-from farhand.operator_side.margins.margin import Margin
-from farhand.operator_side.prediction.state_predictor import Prediction
+from farhand.operator_side.margins.law import Margin
+from farhand.operator_side.prediction.law import Prediction
+from farhand.operator_side.settings import ControllerSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +35,14 @@ class SafetyFilter:
     """Poses the controller's problem from the scene that came over the wire.
 
     Args:
-        scenario: settings (the obstacles are never taken from it).
+        settings: of the controller.
         controller: the controller.
+        lag: of the robot's velocity response (s).
     """
 
-    def __init__(self, scenario: Scenario, controller: Controller) -> None:
-        self._settings = scenario.controller
-        self._lag = scenario.robot.lag
+    def __init__(self, settings: ControllerSettings, controller: Controller, lag: float) -> None:
+        self._settings = settings
+        self._lag = lag
         self._controller = controller
         self._scene: Scene | None = None
         self._centres = self._velocities = np.zeros((0, 3))

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from farhand.common.link.link import Link
-from farhand.common.scenario import Scenario
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.robot_side.announcer import Announcer
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.settings import RobotScenario
 
 
 class _UntilStopped:
@@ -37,7 +37,7 @@ class _UntilStopped:
 
 
 def run_robot(
-    scenario: Scenario,
+    scenario: RobotScenario,
     robot_name: str,
     link: Link,
     clock: SystemClock,

@@ -18,7 +18,6 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import scene_key, state_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import Scenario
 from farhand.common.timing.executor import Periodic
 from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.robots.robot import Robot, RobotSample
@@ -26,6 +25,7 @@ from farhand.robot_side.run_statistics import RunStatistics
 from farhand.robot_side.safety.command_intake import CommandIntake
 from farhand.robot_side.safety.plan import ZERO
 from farhand.robot_side.safety.watchdog import Watchdog
+from farhand.robot_side.settings import RobotScenario
 
 SECOND_NS = 1_000_000_000
 CATCH_UP_NS = 100_000_000  # physics makes good for at most this much lost time a tick
@@ -42,7 +42,7 @@ class RobotNode:
         session: random, not 0, new at each start of the process.
     """
 
-    def __init__(self, scenario: Scenario, robot: Robot, link: Link, name: str, session: int) -> None:
+    def __init__(self, scenario: RobotScenario, robot: Robot, link: Link, name: str, session: int) -> None:
         settings = scenario.robot
         self._targets = scenario.targets
         self._obstacles = scenario.obstacles

@@ -1,20 +1,17 @@
 """Options that several commands share, and what they mean."""
 
-from typing import Annotated, get_args
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
 from farhand.common.errors import InputError, SpecError
-from farhand.common.scenario import (
-    MarginName,
-    PredictorName,
-    Scenario,
-    SolverName,
-    load_scenario,
-    replace_setting,
-)
+from farhand.common.kinds import Kinds
+from farhand.operator_side.control.registry import SOLVERS
+from farhand.operator_side.margins.registry import MARGINS
+from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.runs.scenario import Scenario, load_scenario, replace_setting
 
 ScenarioOption = Annotated[
     str, typer.Option(help="Built-in scenario (see `farhand scenarios`) or TOML file.")
@@ -26,17 +23,17 @@ NetworkOption = Annotated[
 UplinkOption = Annotated[str, typer.Option(help="SPEC from operator to robot, where it differs.")]
 DownlinkOption = Annotated[str, typer.Option(help="SPEC from robot to operator, where it differs.")]
 MarginOption = Annotated[
-    str | None, typer.Option(help=f"Safety margin: {', '.join(get_args(MarginName))} [default: scenario's].")
+    str | None, typer.Option(help=f"Safety margin: {', '.join(MARGINS.names())} [default: scenario's].")
 ]
 PredictorOption = Annotated[
     str | None,
     typer.Option(
-        help=f"State predictor: {', '.join(get_args(PredictorName))} "
-        "[default: timeline for the adaptive margin, else history]."
+        help=f"State predictor: {', '.join(PREDICTORS.names())} "
+        "[default: the one that the margin is made for]."
     ),
 ]
 SolverOption = Annotated[
-    str | None, typer.Option(help=f"Solver: {', '.join(get_args(SolverName))} [default: scenario's].")
+    str | None, typer.Option(help=f"Solver: {', '.join(SOLVERS.names())} [default: scenario's].")
 ]
 SetOption = Annotated[
     list[str] | None,
@@ -85,15 +82,16 @@ def chosen_scenario(
 ) -> Scenario:
     """The scenario with the options' replacements; raises InputError."""
     scenario = load_scenario(name)
-    for option, value, key, known in (
-        ("--margin", margin, "margin.kind", get_args(MarginName)),
-        ("--predictor", predictor, "operator.predictor", get_args(PredictorName)),
-        ("--solver", solver, "controller.solver", get_args(SolverName)),
-    ):
+    chosen: tuple[tuple[str, str | None, str, Kinds[Any]], ...] = (
+        ("--margin", margin, "margin.kind", MARGINS),
+        ("--predictor", predictor, "operator.predictor", PREDICTORS),
+        ("--solver", solver, "controller.solver", SOLVERS),
+    )
+    for option, value, key, kinds in chosen:
         if value is None:
             continue
-        if value not in known:
-            raise InputError(f"{option} {value!r}: must be one of {', '.join(known)}")
+        if value not in kinds:
+            kinds.get(value, option)
         scenario = replace_setting(scenario, key, value)
     for setting in settings or []:
         scenario = replace_setting(scenario, *parse_setting(setting))

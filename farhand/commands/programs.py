@@ -162,7 +162,7 @@ def doctor(
     """
     from farhand.common.messages.keys import check_robot_name
     from farhand.common.process.security import local_endpoint
-    from farhand.common.scenario import load_scenario
+    from farhand.runs.scenario import load_scenario
     from farhand.site.doctor.doctor import run_doctor
 
     endpoint = connect or local_endpoint(7447, tls)

@@ -129,7 +129,7 @@ def summarise(
 def scenarios() -> None:
     """What scenarios are built in."""
     from farhand.commands.options import print_rows
-    from farhand.common.scenario import built_in_names, load_scenario
+    from farhand.runs.scenario import built_in_names, load_scenario
 
     print_rows([(name, load_scenario(name).description) for name in built_in_names()])
 

@@ -8,7 +8,6 @@ from rich.console import Console
 
 from farhand.common.link.ports import free_ports
 from farhand.common.process.signals import stop_event_on_signals
-from farhand.common.scenario import Scenario
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
@@ -24,6 +23,7 @@ from farhand.runs.run_folder import (
     make_run_folder,
     write_scenario,
 )
+from farhand.runs.scenario import Scenario
 
 INTERRUPTED = "interrupted"
 NAMES = ("netem", "robot", "operator")

@@ -17,14 +17,13 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.report import ControlReport
-from farhand.common.messages.scene import Scene
-from farhand.common.messages.state import RobotState
 from farhand.common.recording.recorder import RecordedRun, TickRecord, read_run
-from farhand.common.scenario import Scenario, replace_setting, scenario_from_table
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.steering.device import SteeringInput
+from farhand.operator_side.operator_node import OperatorIdentity
+from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 from farhand.programs.wiring import make_operator, versions
+from farhand.runs.scenario import Scenario, replace_setting, scenario_from_table
 
 RECORDING = "run.mcap"
 SECTIONS = ("controller", "margin", "operator", "robot.lag")
@@ -48,24 +47,14 @@ class RecordedLink:
         return packets
 
 
-class RecordedSteering:
+class RecordedSteering(SteeringDevice):
     """Wants what was wanted in the run, whatever device it was that steered."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.report: ControlReport | None = None
 
-    @property
-    def progress(self) -> tuple[int, int]:
-        """See SteeringDevice."""
-        return (self.report.target_index, self.report.target_count) if self.report else (0, 0)
-
-    @property
-    def finished(self) -> bool:
-        """See SteeringDevice."""
-        reached, count = self.progress
-        return count > 0 and reached >= count
-
-    def read(self, state: RobotState, scene: Scene, now_ns: int) -> SteeringInput:
+    def read(self, view: View) -> SteeringInput:
         """See SteeringDevice."""
         if self.report is None:
             return SteeringInput()
@@ -163,12 +152,10 @@ def replay(
     node = make_operator(
         scenario,
         link,
-        run.info.robot,
-        run.info.session,
+        OperatorIdentity(run.info.robot, run.info.session, run.info.operator),
         controller,
         lambda: readings.pop(),
         steering,
-        run.info.operator,
     )
     ticks = []
     for number, record in enumerate(run.ticks):

@@ -5,11 +5,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-from farhand.common.scenario import Scenario
 from farhand.laboratory.simulation import simulate
 from farhand.runs.figure import draw_run
 from farhand.runs.report import print_outcome
 from farhand.runs.run_folder import RECORDING, make_run_folder, write_scenario
+from farhand.runs.scenario import Scenario
 from farhand.runs.summary import write_summary
 
 

@@ -13,15 +13,22 @@ from pathlib import Path
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.recorder import RunInfo, RunRecorder
-from farhand.common.scenario import Scenario, scenario_to_table
 from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.operator_node import OperatorNode
-from farhand.programs.wiring import make_netem, make_operator, make_robot_node, session_of, versions
+from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
+from farhand.programs.wiring import (
+    OPERATOR_NAME,
+    make_netem,
+    make_operator,
+    make_robot_node,
+    session_of,
+    versions,
+)
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
+from farhand.runs.scenario import Scenario, scenario_to_table
 from farhand.runs.summary import RunSummary, Tally, summarise
 
 COMPUTING_TIME = 0.02
@@ -110,7 +117,9 @@ def simulate(
         session = session_of(seed, "operator")
         controller = make_controller(scenario.controller) if controller is None else controller
         controller.prepare()
-        operator = make_operator(scenario, operator_end, name, session, controller)
+        operator = make_operator(
+            scenario, operator_end, OperatorIdentity(name, session, OPERATOR_NAME), controller
+        )
         recorder = _recorder(record_to, scenario, name, session, seed)
         if recorder is not None:
             closing.callback(recorder.close)

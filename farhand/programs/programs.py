@@ -20,14 +20,15 @@ from farhand.common.process.security import guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.systemd import tell_systemd
 from farhand.common.recording.recorder import RunInfo, RunRecorder
-from farhand.common.scenario import Scenario, scenario_to_table
 from farhand.common.timing.clock import SystemClock, processor_seconds
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import run_operator
+from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.programs.wiring import make_operator, versions
 from farhand.robot_side.main import run_robot
 from farhand.runs.results import OperatorResult
+from farhand.runs.scenario import Scenario, scenario_to_table
 from farhand.runs.summary import Tally
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
@@ -85,7 +86,9 @@ def operator_program(
         link = ZenohLink(link_session, [state_key(name), scene_key(name)], clock, heard.set)
         closing.callback(link.close)
         guard(link_session, folder, name, "operator", lambda line: say("operator", line))
-        node = make_operator(scenario, link, name, session, controller, processor_seconds, operator=called)
+        node = make_operator(
+            scenario, link, OperatorIdentity(name, session, called), controller, processor_seconds
+        )
         handover = HandoverServer(node, report_session, name, report or "")
         unheard = f"connected, but nothing comes from robot {name!r}: it is not running, or has another name"
         if folder is not None:

@@ -5,18 +5,18 @@ import platform
 from collections.abc import Callable
 
 from farhand.common.link.link import Link
-from farhand.common.scenario import Scenario
 from farhand.common.seeds import stream
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
 from farhand.netem.timeline import load_timeline
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.operator_node import OperatorNode
+from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.steering.device import SteeringDevice
-from farhand.operator_side.steering.tester import Tester
+from farhand.operator_side.steering.registry import make_device
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
+from farhand.runs.scenario import Scenario
 
 OPERATOR_NAME = "operator"
 """The operator's name in virtual time and in the demo, whoever runs them."""
@@ -30,16 +30,14 @@ def session_of(seed: int, side: str) -> int:
 def make_operator(
     scenario: Scenario,
     link: Link,
-    name: str,
-    session: int,
+    who: OperatorIdentity,
     controller: Controller,
     stopwatch: Callable[[], float] | None = None,
     device: SteeringDevice | None = None,
-    operator: str = OPERATOR_NAME,
 ) -> OperatorNode:
-    """The operator's node with the paper's tester or another device; `controller` is prepared already."""
-    device = Tester(scenario.operator) if device is None else device
-    return OperatorNode(scenario, controller, device, link, name, session, stopwatch, operator)
+    """The operator's node with the scenario's device or another one; `controller` is prepared already."""
+    device = make_device(scenario.steering) if device is None else device
+    return OperatorNode(scenario, controller, device, link, who, scenario.robot.lag, stopwatch)
 
 
 def make_netem(

@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.console import Console
 
 from farhand.common.errors import InputError
-from farhand.common.scenario import Scenario
+from farhand.runs.scenario import Scenario
 from farhand.runs.figure import draw_run
 from farhand.runs.report import print_outcome
 from farhand.runs.run_folder import (

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 
 from farhand.common.messages.report import ControlReport
-from farhand.common.scenario import Scenario
+from farhand.runs.scenario import Scenario
 
 NO_OBSTACLE = 1e5
 

@@ -1,13 +1,15 @@
 """The interface of every safety filter: a problem in, a plan and an honest status out. Nothing throws."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import ClassVar
 
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import ControllerSettings
+from farhand.common.scenario.section import NoSettings, Section
+from farhand.operator_side.settings import ControllerSettings
 
 
 class Status(str, Enum):
@@ -74,24 +76,35 @@ class ControlSolution:
     binding: int = -1
 
 
-class Controller(Protocol):
-    """A safety filter. `solve` never raises and never returns a non-finite plan."""
+class Controller(ABC):
+    """A safety filter. One small file, and one line in registry.py or an entry point in `farhand.controllers`.
 
-    settings: ControllerSettings
-    solver_notice: str
-    """One line for the user where this is not quite what the settings asked for, else empty."""
+    `solve` never raises and never returns a non-finite plan.
 
-    def prepare(self) -> None:
-        """Compile and warm up; to be called before anything is connected."""
-        ...
+    Args:
+        settings: of the safety filter; the controller's own are `own_settings(settings, type(self), "controller")`.
 
+    Attributes:
+        Settings: the type of its own settings, read from the table `[controller.NAME]`.
+        settings: those in force.
+        solver_notice: one line for the user where this is not quite what the settings asked for, else empty.
+    """
+
+    Settings: ClassVar[type[Section]] = NoSettings
+
+    def __init__(self, settings: ControllerSettings) -> None:
+        self.settings = settings
+        self.solver_notice = ""
+
+    def prepare(self) -> None:  # noqa: B027 (most have nothing to prepare)
+        """Compile and warm up; called before anything is connected."""
+
+    @abstractmethod
     def solve(self, problem: ControlProblem) -> ControlSolution:
-        """Decide one tick; keeps a warm start for the next."""
-        ...
+        """Decide one tick; may keep a warm start for the next."""
 
-    def reset(self) -> None:
+    def reset(self) -> None:  # noqa: B027 (most have nothing to forget)
         """Forget the warm start."""
-        ...
 
 
 def zero_plan(settings: ControllerSettings) -> Array:

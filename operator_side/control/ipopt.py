@@ -5,9 +5,9 @@ from typing import Any
 
 import casadi
 
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control.nlp_controller import NlpController
 from farhand.operator_side.control.statement import SymbolicProblem, state_problem
+from farhand.operator_side.settings import ControllerSettings
 
 
 class IpoptController(NlpController):

@@ -3,11 +3,17 @@
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control import compile_cache
 from farhand.operator_side.control import newton_kernel as kernel
-from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from farhand.operator_side.control.controller import (
+    Controller,
+    ControlProblem,
+    ControlSolution,
+    Status,
+    zero_plan,
+)
 from farhand.operator_side.control.tracking import tracking_matrices, unconstrained_gains
+from farhand.operator_side.settings import ControllerSettings
 
 _STATUS = (
     Status.OPTIMAL,
@@ -55,7 +61,7 @@ def tracking_hessian(settings: ControllerSettings) -> Array:
     return band
 
 
-class NewtonController:
+class NewtonController(Controller):
     """Keeps the plan and the multipliers of the last tick as the warm start of the next."""
 
     def __init__(self, settings: ControllerSettings) -> None:

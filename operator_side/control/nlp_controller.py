@@ -7,16 +7,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control import barrier as rows
-from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from farhand.operator_side.control.controller import (
+    Controller,
+    ControlProblem,
+    ControlSolution,
+    Status,
+    zero_plan,
+)
 from farhand.operator_side.control.statement import SymbolicProblem, parameter_values
 from farhand.operator_side.control.tracking import tracking_cost
+from farhand.operator_side.settings import ControllerSettings
 
 Indices = NDArray[np.intp]
 
 
-class NlpController:
+class NlpController(Controller):
     """Solves the symbolic problem over some of the obstacles and judges the answer against all of them.
 
     A subclass says which obstacles (`_choose`) and which program serves that many (`_program`).
@@ -24,14 +30,10 @@ class NlpController:
 
     def __init__(self, settings: ControllerSettings, warm: bool) -> None:
         """Keep the settings; `warm` says whether a tick starts from the last tick's answer."""
-        self.settings = settings
-        self.solver_notice = ""
+        super().__init__(settings)
         self._keep_warm = warm
         self._limit = np.array(settings.speed_limit)
         self.reset()
-
-    def prepare(self) -> None:
-        """Nothing to compile by default."""
 
     def reset(self) -> None:
         """Forget the warm start."""

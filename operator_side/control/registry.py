@@ -1,13 +1,37 @@
-"""From settings to a controller. To add one: one small file, one line here, one name in common/scenario.py.
+"""The controllers and the solvers of the MPC by name. A new one is one file and one line here, or an entry point.
 
-Solvers are imported only when chosen, so that a program starts fast.
+Imported only when chosen, so that a program starts fast.
 """
+
+from collections.abc import Callable
 
 from msgspec import structs
 
-from farhand.common.errors import InputError
-from farhand.common.scenario import ControllerSettings
+from farhand.common.kinds import Kinds
 from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.settings import ControllerSettings
+
+CONTROLLERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
+    "controller",
+    "farhand.controllers",
+    Controller,
+    {
+        "mpc-cbf": "farhand.operator_side.control.registry:make_mpc",
+        "pass-through": "farhand.operator_side.control.baselines.pass_through:PassThrough",
+        "one-step": "farhand.operator_side.control.baselines.one_step:OneStep",
+        "mpc-distance": "farhand.operator_side.control.registry:make_distance_mpc",
+    },
+)
+SOLVERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
+    "solver",
+    "farhand.solvers",
+    Controller,
+    {
+        "newton": "farhand.operator_side.control.newton:NewtonController",
+        "sqp": "farhand.operator_side.control.sqp:SqpController",
+        "ipopt": "farhand.operator_side.control.ipopt:IpoptController",
+    },
+)
 
 
 def make_controller(settings: ControllerSettings) -> Controller:
@@ -15,43 +39,23 @@ def make_controller(settings: ControllerSettings) -> Controller:
 
     Where it cannot be quite what was asked for, the controller's `solver_notice` says so in one line.
     """
-    if settings.kind == "pass-through":
-        from farhand.operator_side.control.baselines.pass_through import PassThrough
-
-        return PassThrough(settings)
-    if settings.kind == "one-step":
-        from farhand.operator_side.control.baselines.one_step import OneStep
-
-        return OneStep(settings)
-    if settings.kind == "mpc-distance":
-        from farhand.operator_side.control.baselines.mpc_distance import distance_settings
-
-        return _mpc(distance_settings(settings))
-    if settings.kind == "mpc-cbf":
-        return _mpc(settings)
-    raise InputError(
-        f"controller.kind: {settings.kind!r} is none of mpc-cbf, pass-through, one-step, mpc-distance"
-    )
+    return CONTROLLERS.get(settings.kind, "controller.kind")(settings)
 
 
-def _mpc(settings: ControllerSettings) -> Controller:
-    notice = ""
-    if settings.solver == "newton":
-        try:
-            from farhand.operator_side.control.newton import NewtonController
-
-            return NewtonController(settings)
-        except ImportError as error:
-            notice = f"the compiled solver cannot be used ({error}); the slower CasADi SQP takes over"
-            settings = structs.replace(settings, solver="sqp")
-    if settings.solver == "sqp":
-        from farhand.operator_side.control.sqp import SqpController
-
-        sqp = SqpController(settings)
-        sqp.solver_notice = notice
+def make_mpc(settings: ControllerSettings) -> Controller:
+    """MPC-CBF by the solver that the settings name."""
+    try:
+        return SOLVERS.get(settings.solver, "controller.solver")(settings)
+    except ImportError as error:
+        if settings.solver != "newton":
+            raise
+        sqp = SOLVERS.get("sqp")(structs.replace(settings, solver="sqp"))
+        sqp.solver_notice = f"the compiled solver cannot be used ({error}); the slower CasADi SQP takes over"
         return sqp
-    if settings.solver == "ipopt":
-        from farhand.operator_side.control.ipopt import IpoptController
 
-        return IpoptController(settings)
-    raise InputError(f"controller.solver: {settings.solver!r} is none of newton, sqp, ipopt")
+
+def make_distance_mpc(settings: ControllerSettings) -> Controller:
+    """The baseline `mpc-distance` by the solver that the settings name."""
+    from farhand.operator_side.control.baselines.mpc_distance import distance_settings
+
+    return make_mpc(distance_settings(settings))

@@ -16,8 +16,8 @@ import casadi
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control.controller import ControlProblem
+from farhand.operator_side.settings import ControllerSettings
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 import sys
 
-from farhand.common.scenario import ControllerSettings
 from farhand.common.timing.clock import processor_seconds
 from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.settings import ControllerSettings
 
 
 def main() -> int:

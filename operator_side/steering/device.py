@@ -1,11 +1,14 @@
 """The interface of everything that steers. Hold-to-run: motion only while the device is engaged."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, ClassVar
 
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
+from farhand.common.scenario.section import NoSettings, Section
+from farhand.operator_side.steering.targets import Targets
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,19 +28,38 @@ class SteeringInput:
     estop: bool = False
 
 
-class SteeringDevice(Protocol):
-    """A steering device."""
+@dataclass(frozen=True, slots=True)
+class View:
+    """What a device may look at.
 
-    @property
-    def progress(self) -> tuple[int, int]:
-        """Targets reached and targets in all; (0, 0) for a device without targets."""
-        ...
+    Attributes:
+        state: the robot's newest.
+        scene: what is around it.
+        targets: progress of the task, `targets.next` the one to reach now.
+        now_ns: beginning of the tick.
+    """
 
-    @property
-    def finished(self) -> bool:
-        """Whether there is nothing left to do."""
-        ...
+    state: RobotState
+    scene: Scene
+    targets: Targets
+    now_ns: int
 
-    def read(self, state: RobotState, scene: Scene, now_ns: int) -> SteeringInput:
-        """What the operator wants, looking at the newest state."""
-        ...
+
+class SteeringDevice(ABC):
+    """A steering device. One small file, and one line in registry.py or an entry point in `farhand.devices`.
+
+    Args:
+        settings: the device's own, an instance of its `Settings`.
+
+    Attributes:
+        Settings: the type of its own settings, read from the table `[steering.NAME]`.
+    """
+
+    Settings: ClassVar[type[Section]] = NoSettings
+
+    def __init__(self, settings: Any = None) -> None:
+        self.settings = settings
+
+    @abstractmethod
+    def read(self, view: View) -> SteeringInput:
+        """What the operator wants now; called once a tick, must neither block nor raise."""

@@ -4,56 +4,58 @@ Speed 0.05 m/s within 0.15 m of the target, 0.50 m/s beyond 0.50 m, linear betwe
 """
 
 import math
+from typing import ClassVar
 
-from farhand.common.messages.scene import Scene
+from farhand.common.messages.base import Positive
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import OperatorSettings
-from farhand.operator_side.steering.device import SteeringInput
+from farhand.common.scenario.section import Section
+from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 
 ACKNOWLEDGE_PERIOD_NS = 500_000_000
 
 
-class Tester:
-    """Drives through the scene's targets in order; acknowledges a latched stop and control that
-    has become free, as a person would, but never an emergency stop.
-
-    Args:
-        settings: speeds, distances, tolerance.
+class TesterSettings(Section, frozen=True, kw_only=True):
+    """Attributes:
+    near, far: distances between which the speed rises linearly (m).
+    near_speed, far_speed: the speeds there (m/s).
     """
 
-    def __init__(self, settings: OperatorSettings) -> None:
-        self._settings = settings
-        self._index = 0
-        self._count = 0
+    near: Positive = 0.15
+    far: Positive = 0.50
+    near_speed: Positive = 0.05
+    far_speed: Positive = 0.50
+
+    def __post_init__(self) -> None:
+        """Raises ValueError where the distances are not in order, which reading turns into a message."""
+        if self.far <= self.near:
+            raise ValueError(f"far, {self.far:g} m, must be larger than near, {self.near:g} m")
+
+
+class Tester(SteeringDevice):
+    """Drives through the scene's targets in order; acknowledges a latched stop and control that
+    has become free, as a person would, but never an emergency stop.
+    """
+
+    Settings: ClassVar[type[Section]] = TesterSettings
+
+    def __init__(self, settings: TesterSettings) -> None:
+        super().__init__(settings)
+        self._speeds = settings
         self._acknowledged_ns: int | None = None
 
-    @property
-    def progress(self) -> tuple[int, int]:
-        """Targets reached and targets in all."""
-        return self._index, self._count
-
-    @property
-    def finished(self) -> bool:
-        """Whether every target has been reached."""
-        return self._count > 0 and self._index >= self._count
-
-    def read(self, state: RobotState, scene: Scene, now_ns: int) -> SteeringInput:
+    def read(self, view: View) -> SteeringInput:
         """Straight towards the next target, from where the robot last said it was."""
-        self._count = len(scene.targets)
-        while not self.finished and self._count:
-            offset = [t - x for t, x in zip(scene.targets[self._index], state.position, strict=True)]
-            gap = math.hypot(*offset)
-            if gap > self._settings.tolerance:
-                break
-            self._index += 1
-        if self.finished or not self._count:
+        target, state = view.targets.next, view.state
+        if target is None:
             return SteeringInput(engaged=False)
+        offset = [t - x for t, x in zip(target, state.position, strict=True)]
+        gap = math.hypot(*offset)
         scale = self._speed(gap) / gap
         velocity = (offset[0] * scale, offset[1] * scale, offset[2] * scale)
-        return SteeringInput(velocity, engaged=True, acknowledge=self._acknowledges(state, now_ns))
+        return SteeringInput(velocity, engaged=True, acknowledge=self._acknowledges(state, view.now_ns))
 
     def _speed(self, gap: float) -> float:
-        s = self._settings
+        s = self._speeds
         share = min(1.0, max(0.0, (gap - s.near) / (s.far - s.near)))
         return s.near_speed + share * (s.far_speed - s.near_speed)
 

@@ -1,14 +1,13 @@
 """A point that follows the velocity command with a first-order lag: the cheapest honest robot."""
 
 import math
-from collections.abc import Sequence
 
 from farhand.common.messages.base import Vector3
-from farhand.common.messages.scene import Obstacle
-from farhand.robot_side.robots.robot import RobotSample
+from farhand.robot_side.robots.robot import Robot, RobotSample
+from farhand.robot_side.settings import RobotScenario
 
 
-class PointRobot:
+class PointRobot(Robot):
     """lag * dv/dt = u - v, dx/dt = v, integrated exactly over each period.
 
     Args:
@@ -22,6 +21,11 @@ class PointRobot:
         self._lag = lag
         self._dt = -1.0
         self._decay = 0.0
+
+    @classmethod
+    def for_scenario(cls, scenario: RobotScenario) -> "PointRobot":
+        """See Robot."""
+        return cls(scenario.start, scenario.robot.lag)
 
     def sample(self) -> RobotSample:
         """The state now."""
@@ -38,10 +42,3 @@ class PointRobot:
         ex, ey, ez = vx - ux, vy - uy, vz - uz
         self._position = (x + ux * dt + ex * reach, y + uy * dt + ey * reach, z + uz * dt + ez * reach)
         self._velocity = (ux + ex * decay, uy + ey * decay, uz + ez * decay)
-
-    def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
-        """A point has no arm."""
-        return None
-
-    def close(self) -> None:
-        """Nothing to give back."""

@@ -11,19 +11,19 @@ import pinocchio as pin
 from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Array, to_vector3
 from farhand.common.messages.scene import Obstacle
-from farhand.common.scenario import Scenario
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import JOINTS, TORQUE_LIMITS, collision_urdf, never_colliding_pairs
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
 from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
-from farhand.robot_side.robots.robot import RobotSample
+from farhand.robot_side.robots.robot import Robot, RobotSample
+from farhand.robot_side.settings import RobotScenario
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
 
 
-class UR5Robot:
+class UR5Robot(Robot):
     """Follows tool velocities with the tool kept as it points at the start: down.
 
     Args:
@@ -32,7 +32,10 @@ class UR5Robot:
     Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    joint_names = JOINTS
+    model = "ur5"
+
+    def __init__(self, scenario: RobotScenario) -> None:
         settings = scenario.robot
         self.kinematics = Kinematics()
         self._q = _start_configuration(self.kinematics, scenario)
@@ -59,6 +62,11 @@ class UR5Robot:
             self.close()
             raise
         self._read()
+
+    @classmethod
+    def for_scenario(cls, scenario: RobotScenario) -> "UR5Robot":
+        """See Robot."""
+        return cls(scenario)
 
     def sample(self) -> RobotSample:
         """The state now."""
@@ -127,7 +135,7 @@ class UR5Robot:
             a, b = self.link_indices[one], self.link_indices[other]
             bullet.setCollisionFilterPair(self.body, self.body, a, b, 0, physicsClientId=client)
 
-    def _check_start(self, scenario: Scenario) -> None:
+    def _check_start(self, scenario: RobotScenario) -> None:
         bullet, client = self._bullet, self._client
         bullet.performCollisionDetection(physicsClientId=client)
         for one, other in self._colliding_pairs:
@@ -151,7 +159,7 @@ class UR5Robot:
         self._tool = self.kinematics.tool(self._q)
 
 
-def _start_configuration(kinematics: Kinematics, scenario: Scenario) -> Array:
+def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:
     joints = scenario.robot.joints
     q = kinematics.inverse_tool_down(scenario.start, None if joints is None else np.array(joints))
     if q is None:

@@ -1,11 +1,9 @@
 """A free-flying box of 1 kg in PyBullet: the simulated robot of the paper (arXiv 2403.18650)."""
 
-from collections.abc import Sequence
-
 from farhand.common.messages.base import Quaternion, Vector3
-from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.robots.bullet import GRAVITY, connect
-from farhand.robot_side.robots.robot import RobotSample
+from farhand.robot_side.robots.robot import Robot, RobotSample
+from farhand.robot_side.settings import RobotScenario
 
 SIZE: Vector3 = (0.25, 0.25, 0.1)  # m
 MASS = 1.0  # kg
@@ -14,7 +12,7 @@ ATTITUDE_STIFFNESS = 400.0  # 1/s^2
 ATTITUDE_DAMPING = 40.0  # 1/s
 
 
-class BoxRobot:
+class BoxRobot(Robot):
     """Follows the velocity by f = m (10 (u - v) + g); a critically damped torque keeps it upright.
 
     Args:
@@ -31,6 +29,11 @@ class BoxRobot:
         self._inertia = bullet.getDynamicsInfo(self._body, -1, physicsClientId=client)[2]
         self._dt = 0.0
         self._read()
+
+    @classmethod
+    def for_scenario(cls, scenario: RobotScenario) -> "BoxRobot":
+        """See Robot."""
+        return cls(scenario.start)
 
     def sample(self) -> RobotSample:
         """The state now."""
@@ -56,10 +59,6 @@ class BoxRobot:
         bullet.applyExternalTorque(body, -1, torque, frame, physicsClientId=client)
         bullet.stepSimulation(physicsClientId=client)
         self._read()
-
-    def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
-        """A box has no arm; its safety sphere holds all of it."""
-        return None
 
     def close(self) -> None:
         """Disconnect from the physics engine."""

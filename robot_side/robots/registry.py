@@ -1,23 +1,27 @@
-"""Which robots there are; each is imported only when it is asked for."""
+"""The robots by name. A new one is one file and one line here, or an entry point of another package.
 
-from farhand.common.scenario import Scenario
+Each is imported only when it is asked for.
+"""
+
+from farhand.common.kinds import Kinds
 from farhand.robot_side.robots.robot import Robot
+from farhand.robot_side.settings import RobotScenario
+
+ROBOTS: Kinds[type[Robot]] = Kinds(
+    "robot",
+    "farhand.robots",
+    Robot,
+    {
+        "ur5": "farhand.robot_side.robots.pybullet_arm:UR5Robot",
+        "box": "farhand.robot_side.robots.pybullet_box:BoxRobot",
+        "point": "farhand.robot_side.robots.point:PointRobot",
+    },
+)
 
 
-def make_robot(scenario: Scenario) -> Robot:
+def make_robot(scenario: RobotScenario) -> Robot:
     """The scenario's robot at the scenario's start.
 
-    Raises ScenarioError when the robot cannot stand there.
+    Raises ScenarioError when the robot cannot stand there, InputError when there is no such robot.
     """
-    kind = scenario.robot.kind
-    if kind == "point":
-        from farhand.robot_side.robots.point import PointRobot
-
-        return PointRobot(scenario.start, scenario.robot.lag)
-    if kind == "box":
-        from farhand.robot_side.robots.pybullet_box import BoxRobot
-
-        return BoxRobot(scenario.start)
-    from farhand.robot_side.robots.pybullet_arm import UR5Robot
-
-    return UR5Robot(scenario)
+    return ROBOTS.get(scenario.robot.kind, "robot.kind").for_scenario(scenario)

@@ -1,11 +1,14 @@
 """The interface of every robot, and what it is sampled as."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar
 
 from farhand.common.messages.base import Quaternion, Vector3
 from farhand.common.messages.scene import Obstacle
+from farhand.common.scenario.section import NoSettings, Section
+from farhand.robot_side.settings import RobotScenario
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,21 +28,37 @@ class RobotSample:
     joints: tuple[float, ...] = ()
 
 
-class Robot(Protocol):
-    """A robot that follows tool velocities, one control period at a time."""
+class Robot(ABC):
+    """A robot that follows tool velocities, one control period at a time.
 
+    One small file, and one line in registry.py or an entry point in `farhand.robots`.
+
+    Attributes:
+        Settings: the type of its own settings, read from the table `[robot.NAME]`.
+        joint_names: of `RobotSample.joints`, in its order; empty for robots without joints.
+        model: name of the model, for those who draw it; empty where there is none.
+    """
+
+    Settings: ClassVar[type[Section]] = NoSettings
+    joint_names: tuple[str, ...] = ()
+    model: str = ""
+
+    @classmethod
+    @abstractmethod
+    def for_scenario(cls, scenario: RobotScenario) -> "Robot":
+        """The robot at the scenario's start; raises ScenarioError when it cannot stand there."""
+
+    @abstractmethod
     def sample(self) -> RobotSample:
         """The state now."""
-        ...
 
+    @abstractmethod
     def step(self, velocity: Vector3, dt: float) -> None:
         """One period of `dt` s under the commanded tool velocity (m/s, base)."""
-        ...
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
         """Distance of the whole body to the nearest obstacle (m); None where it is not computed."""
-        ...
+        return None
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027 (some have nothing to give back)
         """Give everything back; the robot is of no use afterwards."""
-        ...

@@ -65,8 +65,8 @@ def test_a_package_brings_a_kind(outside):
 @pytest.mark.parametrize(
     ("points", "name", "words"),
     [
-        ((), "bose", "margin.kind: no thing is called 'bose'; is 'base' meant?"),
-        ((), "zzz", "no thing is called 'zzz'. There are: base, heavy"),
+        ((), "bose", "margin.kind 'bose': no such thing; is 'base' meant? there are base, heavy"),
+        ((), "zzz", "margin.kind 'zzz': no such thing; there are base, heavy"),
         (
             (("mine", "no_such_module:Mine"),),
             "mine",

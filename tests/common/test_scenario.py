@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from farhand.common.errors import ScenarioError
 from farhand.common.messages.scene import Obstacle
-from farhand.common.scenario import (
+from farhand.runs.scenario import (
     built_in_names,
     load_scenario,
     parse_scenario,
@@ -105,7 +105,14 @@ def test_errors_name_the_key_and_are_one_line(old, new, key):
         ("controller.p_omega", 10**400, "controller.p_omega"),
         ("margin.kind", "wide", "margin.kind"),
         ("margin.rtt_window", 1, "margin.rtt_window"),
-        ("operator.far", 0.1, "operator.far"),
+        ("steering.tester.far", 0.1, "steering.tester: far, 0.1 m, must be larger than near"),
+        ("steering.tester.speed", 0.1, "steering.tester: object contains unknown field `speed`"),
+        ("steering.mouse.far", 0.1, "steering.mouse"),
+        ("margin.floor", 0.1, "are in its table: margin.adaptive.floor"),
+        ("margin.paper.k_sigma", -1.0, "margin.paper.k_sigma: expected `float` >= 0"),
+        ("margin.own", 3, "margin.own"),
+        ("margin.own.paper", 3, "margin"),
+        ("robot.kind", "ur7", "robot.kind 'ur7': no such robot"),
         ("operator.predictor", "oracle", "operator.predictor"),
         ("gamma", 0.3, "unknown field `gamma`"),
         ("name.first", 1, "no such key"),

@@ -6,11 +6,11 @@ import threading
 import pytest
 
 from farhand.common.link.ports import free_ports
-from farhand.common.scenario import load_scenario, replace_setting
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader
 from farhand.runs.run_folder import write_scenario
+from farhand.runs.scenario import load_scenario, replace_setting
 
 PATIENCE = 30.0
 PAUSE = threading.Event()

@@ -6,10 +6,12 @@ from hypothesis import strategies as st
 
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import ControllerSettings, MarginSettings, OperatorSettings
-from farhand.operator_side.margins.margin import MarginInput, make_margin
-from farhand.operator_side.steering.device import SteeringInput
-from farhand.operator_side.steering.tester import ACKNOWLEDGE_PERIOD_NS
+from farhand.operator_side.margins.law import MarginInput
+from farhand.operator_side.margins.registry import make_margin
+from farhand.operator_side.settings import MarginSettings
+from farhand.operator_side.steering.device import SteeringInput, View
+from farhand.operator_side.steering.targets import Targets
+from farhand.operator_side.steering.tester import ACKNOWLEDGE_PERIOD_NS, TesterSettings
 from farhand.operator_side.steering.tester import Tester as PaperTester
 from farhand.operator_side.supervision import ASK_PERIOD_NS, Seat, Supervision, decide
 
@@ -18,7 +20,7 @@ GIVEN = MarginInput(speed=0.4, rtt_mean=0.1, rtt_std=0.02, innovation=0.03, spre
 
 
 def law(kind, **changes):
-    return make_margin(MarginSettings(kind=kind, **changes), ControllerSettings(max_speed=0.5))
+    return make_margin(MarginSettings(kind=kind, own={kind: changes}))
 
 
 def test_no_margin():
@@ -27,7 +29,7 @@ def test_no_margin():
 
 
 def test_the_papers_margin():
-    margin = law("paper", k_sigma=2.0).evaluate(GIVEN)
+    margin = law("paper", k_sigma=2.0, max_speed=0.5).evaluate(GIVEN)
     assert margin.sigma == pytest.approx(0.4 * 0.1 + 0.5 * 2.0 * 0.02)
     assert margin.inflation == 0.0
     assert margin.sigma == pytest.approx(sum(margin.parts.values()))
@@ -159,40 +161,52 @@ def test_a_handover_to_one_that_waits_no_more_is_given_up():
     assert ours.successor == 0
 
 
+class Driver:
+    """A tester before the targets of a scene."""
+
+    def __init__(self, *targets, tolerance=0.02):
+        self.tester, self.targets = PaperTester(TesterSettings()), Targets(tolerance)
+        self.scene = scene(*targets)
+
+    def read(self, state, now_ns=0):
+        self.targets.update(state, self.scene)
+        return self.tester.read(View(state, self.scene, self.targets, now_ns))
+
+    @property
+    def progress(self):
+        return self.targets.reached, self.targets.count
+
+
 def test_the_testers_speed_law():
-    s = OperatorSettings()
     for gap, speed in ((0.1, 0.05), (0.15, 0.05), (0.325, 0.275), (0.5, 0.5), (3.0, 0.5)):
-        wanted = PaperTester(s).read(state(), scene((0.0, gap, 0.0)), 0)
+        wanted = Driver((0.0, gap, 0.0)).read(state())
         assert wanted.velocity == pytest.approx((0.0, speed, 0.0))
         assert wanted.engaged
 
 
 def test_the_tester_heads_straight_for_one_target_after_the_other():
-    tester, seen = (
-        PaperTester(OperatorSettings(tolerance=0.02)),
-        scene((1.0, 0, 0), (1.01, 0, 0), (0, 1.0, 0)),
-    )
-    assert (tester.progress, tester.finished) == ((0, 0), False)
-    assert tester.read(state(), seen, 0).velocity[0] > 0
-    assert tester.progress == (0, 3)
-    toward = tester.read(state(position=(0.985, 0.0, 0.0)), seen, 0).velocity
-    assert tester.progress == (1, 3)  # the second is still 25 mm away
+    seat = Driver((1.0, 0, 0), (1.01, 0, 0), (0, 1.0, 0))
+    assert (seat.progress, seat.targets.finished) == ((0, 0), False)
+    assert seat.read(state()).velocity[0] > 0
+    assert seat.progress == (0, 3)
+    toward = seat.read(state(position=(0.985, 0.0, 0.0))).velocity
+    assert seat.progress == (1, 3)  # the second is still 25 mm away
     assert toward[0] > 0
-    toward = tester.read(state(position=(1.0, 0.0, 0.0)), seen, 0).velocity
-    assert tester.progress == (2, 3)
+    toward = seat.read(state(position=(1.0, 0.0, 0.0))).velocity
+    assert seat.progress == (2, 3)
     assert toward[1] == pytest.approx(-toward[0])
-    assert not tester.read(state(position=(0.0, 0.99, 0.0)), seen, 0).engaged
-    assert tester.finished
-    assert not PaperTester(OperatorSettings()).read(state(), scene(), 0).engaged
+    assert not seat.read(state(position=(0.0, 0.99, 0.0))).engaged
+    assert seat.targets.finished
+    assert not Driver().read(state()).engaged
 
 
 def test_the_tester_acknowledges_a_stop_twice_a_second_and_never_an_emergency_stop():
-    tester, seen = PaperTester(OperatorSettings()), scene((1.0, 0, 0))
+    seat = Driver((1.0, 0, 0))
     period = ACKNOWLEDGE_PERIOD_NS
-    asked = [tester.read(state("stopped"), seen, t).acknowledge for t in range(0, 3 * period, period // 5)]
+    asked = [seat.read(state("stopped"), t).acknowledge for t in range(0, 3 * period, period // 5)]
     assert [k for k, yes in enumerate(asked) if yes] == [0, 5, 10]
-    assert not tester.read(state("estop"), seen, 9 * period).acknowledge
-    assert not tester.read(state("run"), seen, 9 * period).acknowledge
-    assert not tester.read(state("estop", 0), seen, 9 * period).acknowledge
-    assert tester.read(state("hold", 0), seen, 9 * period).acknowledge  # free control is taken
-    assert not tester.read(state("hold", OTHER), seen, 10 * period).acknowledge
+    assert not seat.read(state("estop"), 9 * period).acknowledge
+    assert not seat.read(state("run"), 9 * period).acknowledge
+    assert not seat.read(state("estop", 0), 9 * period).acknowledge
+    assert seat.read(state("hold", 0), 9 * period).acknowledge  # free control is taken
+    assert not seat.read(state("hold", OTHER), 10 * period).acknowledge

@@ -11,11 +11,11 @@ from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import load_scenario, replace_setting
 from farhand.operator_side.control.controller import ControlSolution, Status
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.operator_node import STALE_STATE, OperatorNode
-from farhand.operator_side.steering.device import SteeringInput
+from farhand.operator_side.operator_node import STALE_STATE, OperatorIdentity, OperatorNode
+from farhand.operator_side.steering.device import SteeringDevice, SteeringInput
+from farhand.runs.scenario import load_scenario, replace_setting
 
 MS = 1_000_000
 P = 100 * MS
@@ -24,15 +24,14 @@ ZERO = (0.0, 0.0, 0.0)
 FORWARD = (0.2, 0.0, 0.0)
 
 
-class Device:
+class Device(SteeringDevice):
     """Wants what the test wants."""
 
     def __init__(self):
+        super().__init__()
         self.wants = SteeringInput(FORWARD, engaged=True)
-        self.finished = False
-        self.progress = (1, 3)
 
-    def read(self, state, scene, now_ns):
+    def read(self, view):
         return self.wants
 
 
@@ -44,7 +43,7 @@ class Bench:
         self.far, link = memory_wire()
         self.device = Device()
         controller = controller or make_controller(scenario.controller)
-        self.node = OperatorNode(scenario, controller, self.device, link, "r", ME)
+        self.node = OperatorNode(scenario, controller, self.device, link, OperatorIdentity("r", ME), 0.1)
         self.now = 5_000 * MS
         self.seqs, self.scene_seqs = itertools.count(), itertools.count()
         self.sent = []
@@ -120,7 +119,7 @@ def test_it_asks_for_control_and_then_drives():
     assert len(command.plan) == 9
     assert bench.node.driving_since_ns == command.t_sent_ns
     report = bench.node.report
-    assert (report.mode, report.stop_reason, report.target_index, report.target_count) == ("run", "", 1, 3)
+    assert (report.mode, report.stop_reason, report.target_index, report.target_count) == ("run", "", 0, 0)
     assert report.rtt == pytest.approx(0.0 if bench.now == 0 else report.rtt)
     assert report.clearance == 1.0
     assert report.tick == 1
@@ -281,7 +280,7 @@ def test_a_solver_that_fails_stands_still_and_says_so(status):
 def test_the_obstacles_are_those_of_the_wire_and_the_newest_of_them():
     controller = Broken(Status.OPTIMAL)
     bench = Bench(
-        controller, **{"controller.kind": "mpc-cbf", "controller.d_min": 0.01, "margin.floor": 0.02}
+        controller, **{"controller.kind": "mpc-cbf", "controller.d_min": 0.01, "margin.adaptive.floor": 0.02}
     )
     bench.drive()
     assert controller.problems[-1].radii.shape == (0,)  # the scenario has two; the wire says none

@@ -5,10 +5,10 @@ from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import command_key
-from farhand.common.scenario import SafetySettings
 from farhand.robot_side.announcer import Announcer
 from farhand.robot_side.safety.command_intake import CommandIntake
 from farhand.robot_side.safety.watchdog import Watchdog
+from farhand.robot_side.settings import SafetySettings
 
 MS = 1_000_000
 ROBOT, ALICE, EVE = 7, 0xA11CE, 0xE7E

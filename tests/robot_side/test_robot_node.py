@@ -13,11 +13,11 @@ from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import command_key, scene_key, state_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import load_scenario
 from farhand.robot_side.obstacle_field import ObstacleField
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.registry import make_robot
+from farhand.runs.scenario import load_scenario
 
 SESSION = 1234
 SECOND = 1_000_000_000

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import MarginName, Scenario
 from farhand.laboratory.campaigns.jobs import Row
 from farhand.laboratory.campaigns.table1 import DELAYS, Table1
 from farhand.laboratory.simulation import simulate
 from farhand.runs.figure import BLUE, GREY, ORANGE, RED, STYLE, WIDTH
+from farhand.runs.scenario import Scenario
 
 COLOURS = {"none": RED, "paper": BLUE, "adaptive": ORANGE}
 LINES = {"none": "--", "paper": "-", "adaptive": "-."}
@@ -60,7 +60,7 @@ def telling_task(table: Table1, rows: Sequence[Row]) -> tuple[str, int]:
     return delays[0], table.indices[0]
 
 
-def _path(table: Table1, delay: str, margin: MarginName, index: int) -> Array:
+def _path(table: Table1, delay: str, margin: str, index: int) -> Array:
     """(n, 5): t, x, y, z, clearance, of one task run again."""
     job = table.job(delay, margin, index)
     again = simulate(
@@ -69,7 +69,7 @@ def _path(table: Table1, delay: str, margin: MarginName, index: int) -> Array:
     return np.asarray(again.trajectory, dtype=float).reshape(-1, 5)
 
 
-def _paths(plt: Any, scenario: Scenario, runs: dict[MarginName, Array], delay: str, index: int) -> Any:
+def _paths(plt: Any, scenario: Scenario, runs: dict[str, Array], delay: str, index: int) -> Any:
     """The whole task, and the closest approach enlarged."""
     figure, (whole, near) = plt.subplots(1, 2, figsize=(WIDTH, 3.7), layout="constrained")
     worst = runs.get("none", next(iter(runs.values())))
@@ -118,7 +118,7 @@ def _world(axes: Any, scenario: Scenario) -> None:
         axes.add_patch(Circle(centre, obstacle.radius, color=GREY, lw=0, label="obstacle" if first else None))
 
 
-def _clearances(plt: Any, scenario: Scenario, runs: dict[MarginName, Array], delay: str, index: int) -> Any:
+def _clearances(plt: Any, scenario: Scenario, runs: dict[str, Array], delay: str, index: int) -> Any:
     figure, (whole, near) = plt.subplots(
         1, 2, figsize=(WIDTH, 2.5), layout="constrained", width_ratios=(1.6, 1.0)
     )

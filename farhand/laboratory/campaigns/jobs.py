@@ -5,9 +5,9 @@ from typing import Any
 
 import msgspec
 
-from farhand.common.scenario import Scenario
 from farhand.common.seeds import stream
 from farhand.laboratory.simulation import COMPUTING_TIME, simulate
+from farhand.runs.scenario import Scenario
 
 DIGEST_DIGITS = 16
 

@@ -9,11 +9,11 @@ import msgspec
 from msgspec import Meta, Struct
 
 from farhand.common.errors import InputError, SpecError
-from farhand.common.scenario import Scenario, load_scenario, replace_setting, scenario_to_table
 from farhand.laboratory.campaigns.jobs import Job
 from farhand.laboratory.campaigns.store import source_digest
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.programs.wiring import versions
+from farhand.runs.scenario import Scenario, load_scenario, replace_setting, scenario_to_table
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -12,8 +12,10 @@ import numpy as np
 from farhand.common.geometry import distance
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
-from farhand.common.scenario import ControllerSettings, MarginName, MarginSettings, RobotSettings, Scenario
 from farhand.common.seeds import stream
+from farhand.operator_side.settings import ControllerSettings, MarginSettings
+from farhand.robot_side.settings import RobotSettings
+from farhand.runs.scenario import Scenario
 
 LOW, HIGH = 0.45, 7.6
 OBSTACLES = (6, 12)
@@ -35,7 +37,7 @@ BoxKind = Literal["point", "box"]
 """`point`: kinematic, first-order lag; `box`: rigid body in PyBullet."""
 
 
-def make_task(seed: int, index: int, robot: BoxKind = "point", margin: MarginName = "adaptive") -> Scenario:
+def make_task(seed: int, index: int, robot: BoxKind = "point", margin: str = "adaptive") -> Scenario:
     """Task `index` of a campaign, with the paper's settings.
 
     Args:
@@ -59,8 +61,8 @@ def make_task(seed: int, index: int, robot: BoxKind = "point", margin: MarginNam
         targets=tuple(points[1:]),
         obstacles=tuple(obstacles),
         robot=box_settings(robot),
-        controller=ControllerSettings(speed_limit=(0.5, 0.5, 0.5), max_speed=0.87),
-        margin=MarginSettings(kind=margin),
+        controller=ControllerSettings(speed_limit=(0.5, 0.5, 0.5)),
+        margin=MarginSettings(kind=margin, own={"paper": {"max_speed": 0.87}}),
     )
 
 

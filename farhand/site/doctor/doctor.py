@@ -19,8 +19,8 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import about_key, state_key
 from farhand.common.messages.state import RobotState
 from farhand.common.process.security import tool_place
-from farhand.common.scenario import Scenario
 from farhand.common.trust.tls import TlsFolder, load_folder
+from farhand.runs.scenario import Scenario
 from farhand.site.doctor.facts import judge, own_certificate, rights, this_host
 from farhand.site.doctor.network import Finding, probe_tcp, probe_tls
 from farhand.site.doctor.path import decoded_facts, judge_path, measure

@@ -7,8 +7,8 @@ from typing import Any
 
 import zenoh
 
-from farhand.common.scenario import Scenario
 from farhand.common.timing.clock import SystemClock, to_ns
+from farhand.runs.scenario import Scenario
 from farhand.site.doctor.network import Finding
 
 QUESTION_PERIOD = 0.05

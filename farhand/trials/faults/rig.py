@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from farhand.common.errors import FarhandError
-from farhand.common.scenario import load_scenario
 from farhand.common.timing.clock import SystemClock, to_ns
+from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.trials.faults.judgement import MOVING, Outcome, Seen, judge
 from farhand.trials.faults.watching import Watcher

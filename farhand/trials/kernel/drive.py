@@ -11,12 +11,12 @@ import msgspec
 import numpy as np
 
 from farhand.common.errors import FarhandError, InputError
-from farhand.common.scenario import Scenario
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.runs.run_folder import NETEM as NETEM_RESULT
 from farhand.runs.run_folder import OPERATOR as OPERATOR_RESULT
 from farhand.runs.run_folder import ROBOT as ROBOT_RESULT
 from farhand.runs.run_folder import read_json, read_operator_result, summarise_folder, write_scenario
+from farhand.runs.scenario import Scenario
 from farhand.trials.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, OPERATOR, ROBOT, Hosts
 from farhand.trials.kernel.probe import Seen, probe
 

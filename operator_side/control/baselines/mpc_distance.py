@@ -2,7 +2,7 @@
 
 from msgspec import structs
 
-from farhand.common.scenario import ControllerSettings
+from farhand.operator_side.settings import ControllerSettings
 
 
 def distance_settings(settings: ControllerSettings) -> ControllerSettings:

@@ -4,14 +4,20 @@ import daqp
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control import barrier as rows
-from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from farhand.operator_side.control.controller import (
+    Controller,
+    ControlProblem,
+    ControlSolution,
+    Status,
+    zero_plan,
+)
+from farhand.operator_side.settings import ControllerSettings
 
 REFINEMENTS = 3
 
 
-class OneStep:
+class OneStep(Controller):
     """min |u - desired|^2 over the box, subject to h_j(x + dt u) - sigma_j >= (1 - gamma) h_j(x).
 
     The row is convex in u, so its tangent at any u_0 is on the safe side: a first QP with the tangent at the
@@ -20,15 +26,8 @@ class OneStep:
     """
 
     def __init__(self, settings: ControllerSettings) -> None:
-        self.settings = settings
-        self.solver_notice = ""
+        super().__init__(settings)
         self._limit = np.array(settings.speed_limit)
-
-    def prepare(self) -> None:
-        """Nothing to prepare."""
-
-    def reset(self) -> None:
-        """Nothing to forget."""
 
     def solve(self, problem: ControlProblem) -> ControlSolution:
         """OPTIMAL; INFEASIBLE where provably no velocity helps; FAILED where the QP finds none."""

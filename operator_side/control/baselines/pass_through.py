@@ -2,23 +2,18 @@
 
 import numpy as np
 
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control import barrier as rows
-from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from farhand.operator_side.control.controller import (
+    Controller,
+    ControlProblem,
+    ControlSolution,
+    Status,
+    zero_plan,
+)
 
 
-class PassThrough:
+class PassThrough(Controller):
     """No filter at all; the status still says whether the barrier rows happen to hold."""
-
-    def __init__(self, settings: ControllerSettings) -> None:
-        self.settings = settings
-        self.solver_notice = ""
-
-    def prepare(self) -> None:
-        """Nothing to prepare."""
-
-    def reset(self) -> None:
-        """Nothing to forget."""
 
     def solve(self, problem: ControlProblem) -> ControlSolution:
         """SHORTCUT where every row holds, else ELASTIC with the violation."""

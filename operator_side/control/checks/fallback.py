@@ -3,9 +3,9 @@
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control import barrier as rows
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
+from farhand.operator_side.settings import ControllerSettings
 
 NEAR = 2e-5  # m^2: closer than this to the margin counts as on it; a solver keeps its rows to half of this
 _NO_PLAN = {

@@ -13,8 +13,8 @@ a limit that cuts one axis alone would turn the velocity, and inwards as well as
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control.controller import ControlProblem
+from farhand.operator_side.settings import ControllerSettings
 
 JUST_OUTSIDE = 1.0 - 1e-4
 

@@ -97,7 +97,7 @@ def test_missing_files_and_foreign_formats(tmp_path):
 
 
 def test_a_recorded_task_holds_every_tick_and_all_that_arrived(tmp_path):
-    from farhand.common.scenario import load_scenario
+    from farhand.runs.scenario import load_scenario
 
     path = tmp_path / "run.mcap"
     scenario = load_scenario("point-obstacle")

@@ -9,11 +9,11 @@ import pytest
 import zenoh
 
 from farhand.common.link.zenoh_link import open_session
-from farhand.common.scenario import load_scenario
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.tls import TlsFolder, load_folder, read_certificate, watch_names
 from farhand.netem.check.check import free_ports
 from farhand.netem.proxy import Proxy
+from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.site.doctor.doctor import examine
 from farhand.site.doctor.network import probe_tls

@@ -14,9 +14,9 @@ import pytest
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.recorder import read_run
-from farhand.common.scenario import load_scenario
 from farhand.common.timing.clock import SystemClock
 from farhand.laboratory.simulation import simulate
+from farhand.runs.scenario import load_scenario
 
 pytestmark = pytest.mark.realtime
 PATIENCE = 60.0

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from farhand.common.scenario import load_scenario
 from farhand.laboratory.campaigns.jobs import task_seed
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.laboratory.simulation import simulate
+from farhand.runs.scenario import load_scenario
 
 ROOT = Path(__file__).resolve().parents[3]
 TRACES = ROOT.parent / "shared" / "traces"
@@ -17,7 +17,7 @@ PROFILES = ("5g-urban", "starlink", "wifi-moving", "bursty-loss-20", "outages")
 
 DIGEST = """
 import sys
-from farhand.common.scenario import load_scenario
+from farhand.runs.scenario import load_scenario
 from farhand.laboratory.simulation import simulate
 for kind in ("point", "box"):
     result = simulate(load_scenario(f"{kind}-obstacle"), uplink=sys.argv[1], downlink=sys.argv[1], seed=7,

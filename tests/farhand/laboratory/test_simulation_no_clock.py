@@ -10,7 +10,7 @@ CLOCKS = {"time", "datetime", "sched", "timeit"}
 
 WITHOUT_CLOCKS = """
 import time, datetime, sys
-from farhand.common.scenario import load_scenario, replace_setting
+from farhand.runs.scenario import load_scenario, replace_setting
 from farhand.laboratory.simulation import simulate
 scenario = load_scenario("point-obstacle")
 simulate(scenario, uplink="constant:50", downlink="constant:50", time_limit=0.5)  # compile

@@ -13,12 +13,13 @@ from farhand.common.link.ports import free_ports
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.recorder import RunInfo, RunRecorder
-from farhand.common.scenario import load_scenario, replace_setting, scenario_to_table
 from farhand.demo.live_status import ReportReader
 from farhand.laboratory.replay import replay
 from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.steering.device import SteeringInput
 from farhand.programs.wiring import make_operator, make_robot_node, versions
+from farhand.runs.scenario import load_scenario, replace_setting, scenario_to_table
 from farhand.site.handover import choose
 from farhand.site.operator_name import operator_name
 from tests.farhand.programs.test_programs_processes import PATIENCE, SCENARIO, Listener, Program
@@ -33,9 +34,8 @@ class Hand:
 
     def __init__(self):
         self.wants = SteeringInput(FORWARD, engaged=True)
-        self.finished, self.progress = False, (0, 0)
 
-    def read(self, state, scene, now_ns):
+    def read(self, view):
         return self.wants
 
 
@@ -54,7 +54,9 @@ class Bench:
     def start(self, name, session):
         far, link = memory_wire()
         controller = make_controller(self.scenario.controller)
-        node = make_operator(self.scenario, link, "r", session, controller, device=Hand(), operator=name)
+        node = make_operator(
+            self.scenario, link, OperatorIdentity("r", session, name), controller, device=Hand()
+        )
         self.operators[session], self.links[session], self.due[session] = node, far, self.now
         return node
 

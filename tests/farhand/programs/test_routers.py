@@ -11,7 +11,7 @@ import zenoh
 
 from farhand.commands.certs import zenohd
 from farhand.common.link.ports import free_ports
-from farhand.common.scenario import load_scenario
+from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.site.doctor.doctor import examine
 from farhand.site.robots import list_robots

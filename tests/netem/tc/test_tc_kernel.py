@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from farhand.common.errors import InputError
-from farhand.common.scenario import load_scenario
+from farhand.runs.scenario import load_scenario
 from farhand.trials.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, Hosts, why_not
 from farhand.trials.kernel import user_mode_linux
 from farhand.trials.kernel.compare import why_no_kernel

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from farhand.common.scenario import ControllerSettings
 from farhand.common.seeds import stream
 from farhand.operator_side.control import newton_kernel as kernel
 from farhand.operator_side.control.barrier import subset
 from farhand.operator_side.control.controller import ControlProblem, Status
 from farhand.operator_side.control.newton import NewtonController, kernel_parameters, tracking_hessian
 from farhand.operator_side.control.tracking import unconstrained_gains
+from farhand.operator_side.settings import ControllerSettings
 
 SETTINGS = ControllerSettings()
 TURNS = [

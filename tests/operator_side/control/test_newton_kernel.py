@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from farhand.common.scenario import ControllerSettings
 from farhand.common.seeds import stream
 from farhand.operator_side.control import barrier as rows
 from farhand.operator_side.control import newton_kernel as kernel
@@ -14,6 +13,7 @@ from farhand.operator_side.control.newton import kernel_parameters, tracking_hes
 from farhand.operator_side.control.statement import barrier, tracking_cost
 from farhand.operator_side.control.tracking import tracking_cost as numpy_tracking_cost
 from farhand.operator_side.control.tracking import unconstrained_gains
+from farhand.operator_side.settings import ControllerSettings
 
 SETTINGS = ControllerSettings()
 N = SETTINGS.horizon

@@ -11,14 +11,14 @@ from msgspec import structs
 
 from benchmarks.solver_instances import random_problems
 from farhand.common.errors import InputError
-from farhand.common.scenario import ControllerSettings
 from farhand.common.seeds import stream
 from farhand.operator_side.control import barrier as rows
 from farhand.operator_side.control.controller import ControlProblem, Status
 from farhand.operator_side.control.ipopt import IpoptController
 from farhand.operator_side.control.newton import NewtonController
-from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.control.registry import SOLVERS, make_controller
 from farhand.operator_side.control.sqp import SLOTS, SqpController
+from farhand.operator_side.settings import ControllerSettings
 
 SETTINGS = ControllerSettings()
 ROOT = Path(__file__).resolve().parents[3]
@@ -274,7 +274,7 @@ def test_mpc_distance_goes_nearer_than_the_barrier():
 
 def test_unknown_names_are_refused_in_one_line():
     for change in ({"kind": "magic"}, {"solver": "magic"}):
-        with pytest.raises(InputError, match="'magic' is none of") as error:
+        with pytest.raises(InputError, match="'magic': no such") as error:
             make_controller(structs.replace(SETTINGS, **change))
         assert "\n" not in str(error.value)
 
@@ -298,6 +298,7 @@ def test_without_numba_the_sqp_takes_over_and_says_so(monkeypatch):
     for name in ("newton", "newton_kernel"):
         monkeypatch.delattr(package, name, raising=False)
     monkeypatch.setattr(builtins, "__import__", without_numba)
+    monkeypatch.setattr(SOLVERS, "_loaded", {})
     controller = make_controller(SETTINGS)
     assert isinstance(controller, SqpController)
     assert "no numba here" in controller.solver_notice
@@ -308,8 +309,8 @@ def test_without_numba_the_sqp_takes_over_and_says_so(monkeypatch):
 def test_choosing_imports_no_solver_that_is_not_chosen():
     code = (
         "import sys\n"
-        "from farhand.common.scenario import ControllerSettings as S\n"
-        "from farhand.operator_side.control.registry import make_controller\n"
+        "from farhand.operator_side.settings import ControllerSettings as S\n"
+        "from farhand.operator_side.control.registry import SOLVERS, make_controller\n"
         "assert not {'numba', 'casadi', 'daqp'} & set(sys.modules)\n"
         "make_controller(S())\n"
         "assert not {'casadi', 'daqp'} & set(sys.modules)\n"

@@ -9,11 +9,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import load_scenario
 from farhand.operator_side.prediction.command_history import KEPT, CommandHistory
-from farhand.operator_side.prediction.state_predictor import Innovations, make_predictor
+from farhand.operator_side.prediction.innovations import Innovations
+from farhand.operator_side.prediction.law import Known
+from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.registry import make_robot
+from farhand.runs.scenario import load_scenario
 
 ME, PERIOD, LAG = 7, 0.1, 0.08
 P_NS = 100_000_000
@@ -64,7 +66,7 @@ class World:
         )  # fmt: skip
 
     def predict(self, law, sampled, seq, rtt_mean=0.0, v=(0.2, -0.1, 0.05)):
-        predictor = make_predictor(law, self.history, ME, PERIOD, LAG)
+        predictor = PREDICTORS.get(law)(Known(self.history, ME, PERIOD, LAG))
         return predictor.predict(self.state(sampled, v), seq, seq * P_NS, rtt_mean)
 
 
@@ -149,7 +151,7 @@ def test_before_anything_was_sent_the_robot_is_where_it_is(law):
 @pytest.mark.parametrize("law", ["echo", "timeline"])
 def test_a_state_that_applies_someone_elses_command_is_only_compensated_for_lag(law):
     rig = World([((0.1, 0.0, 0.0),)] * 5, 0.1)
-    predictor = make_predictor(law, rig.history, ME + 1, PERIOD, LAG)
+    predictor = PREDICTORS.get(law)(Known(rig.history, ME + 1, PERIOD, LAG))
     found = predictor.predict(rig.state(0.45), 5, 5 * P_NS, 0.0)
     assert math.dist(found.start, rig.z(0.45)) < 1e-12
 
@@ -195,7 +197,7 @@ def innovation_rig():
     history = CommandHistory()
     for seq in range(10):
         history.add(seq, seq * P_NS, PERIOD, ((0.1, 0.0, 0.0),), (0.01 * seq, 0.0, 0.0))
-    return Innovations(history, ME, LAG, window=3)
+    return Innovations(Known(history, ME, PERIOD, LAG), window=3)
 
 
 def seen(seq, x, held=0.0, session=ME):

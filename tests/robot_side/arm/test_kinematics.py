@@ -6,12 +6,12 @@ import pytest
 
 from farhand.common.errors import ScenarioError
 from farhand.common.messages.scene import Obstacle
-from farhand.common.scenario import load_scenario, replace_setting
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.model import HOME, collision_urdf
 from farhand.robot_side.robots.pybullet_arm import UR5Robot
 from farhand.robot_side.robots.registry import make_robot
+from farhand.runs.scenario import load_scenario, replace_setting
 
 SCENARIO = load_scenario("ur5-obstacle")
 GRAVITY = 9.81

@@ -4,13 +4,13 @@ import msgspec
 import numpy as np
 import pytest
 
-from farhand.common.scenario import load_scenario, replace_setting
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import HOME
 from farhand.robot_side.arm.velocity_control import DirectionKeeping
 from farhand.robot_side.robots.pybullet_arm import UR5Robot
+from farhand.runs.scenario import load_scenario, replace_setting
 
 SCENARIO = msgspec.structs.replace(load_scenario("ur5-obstacle"), obstacles=())
 DT = 0.002

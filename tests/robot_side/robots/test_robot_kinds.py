@@ -16,12 +16,12 @@ from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import command_key, state_key
 from farhand.common.messages.state import RobotState
-from farhand.common.scenario import load_scenario
 from farhand.common.timing.clock import SystemClock
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.pybullet_box import SIZE, BoxRobot
 from farhand.robot_side.robots.registry import make_robot
+from farhand.runs.scenario import load_scenario
 
 ROOT = Path(__file__).parents[3]
 DT = 0.002
@@ -68,7 +68,7 @@ def test_box_scenario_uses_the_box_of_the_paper():
     scenario = load_scenario("box-obstacle")
     assert scenario.robot.radius == pytest.approx(np.linalg.norm(SIZE) / 2, abs=1e-4)
     assert scenario.controller.speed_limit == (0.5, 0.5, 0.5)
-    assert scenario.controller.max_speed == 0.87
+    assert scenario.margin.own["paper"] == {"max_speed": 0.87}
     assert {p[1] for p in (scenario.start, *scenario.targets)} == {0.0}
 
 
@@ -90,7 +90,7 @@ def test_point_without_lag_follows_at_once():
 
 WANDER = """
 import hashlib, sys
-from farhand.common.scenario import load_scenario
+from farhand.runs.scenario import load_scenario
 from farhand.common.seeds import stream
 from farhand.robot_side.robots.registry import make_robot
 scenario = load_scenario(sys.argv[1])

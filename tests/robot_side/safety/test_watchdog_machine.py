@@ -6,9 +6,9 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from farhand.common.messages.base import Echo
 from farhand.common.messages.command import VelocityCommand
-from farhand.common.scenario import SafetySettings
 from farhand.robot_side.safety.plan import ZERO
 from farhand.robot_side.safety.watchdog import Watchdog
+from farhand.robot_side.settings import SafetySettings
 
 ROBOT = 1234
 MS = 1_000_000

@@ -4,9 +4,9 @@ import pytest
 
 from farhand.common.messages.base import Echo
 from farhand.common.messages.command import VelocityCommand
-from farhand.common.scenario import SafetySettings
 from farhand.robot_side.safety.plan import ZERO, PlanPlayer
 from farhand.robot_side.safety.watchdog import Watchdog
+from farhand.robot_side.settings import SafetySettings
 
 ROBOT = 1234
 MS = 1_000_000

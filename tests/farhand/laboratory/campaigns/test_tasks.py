@@ -15,6 +15,7 @@ from farhand.laboratory.campaigns.tasks import (
     TARGETS,
     make_task,
 )
+from farhand.operator_side.margins.adaptive import AdaptiveSettings
 
 TASKS = [make_task(3, index) for index in range(60)]
 
@@ -29,7 +30,7 @@ def test_a_task_keeps_all_distances(task):
     for point, obstacle in itertools.product(points, task.obstacles):
         assert distance(point, obstacle.position) - obstacle.radius >= TARGET_GAP
         # so that no margin up to its cap makes a target unreachable
-        assert BOX_RADIUS + task.controller.d_min + task.margin.cap <= TARGET_GAP
+        assert BOX_RADIUS + task.controller.d_min + AdaptiveSettings().cap <= TARGET_GAP
     for x, y, z in [*points, *(o.position for o in task.obstacles)]:
         assert y == 0.0
         assert LOW <= x <= HIGH
@@ -55,4 +56,5 @@ def test_the_box_is_that_of_the_paper():
     assert pytest.approx(0.18371, abs=1e-5) == BOX_RADIUS
     task = TASKS[0]
     assert task.controller.speed_limit == (0.5, 0.5, 0.5)
-    assert (task.controller.max_speed, task.controller.d_min, task.controller.gamma) == (0.87, 0.01, 0.5)
+    assert (task.controller.d_min, task.controller.gamma) == (0.01, 0.5)
+    assert task.margin.own == {"paper": {"max_speed": 0.87}}

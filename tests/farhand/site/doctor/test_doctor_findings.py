@@ -7,8 +7,8 @@ import pytest
 
 from farhand.common.link.presence import Presence, about
 from farhand.common.link.zenoh_link import open_session
-from farhand.common.scenario import load_scenario
 from farhand.netem.check.check import free_ports
+from farhand.runs.scenario import load_scenario
 from farhand.site.doctor.doctor import examine, run_doctor
 from farhand.site.doctor.facts import judge
 from farhand.site.doctor.path import Answers, judge_path

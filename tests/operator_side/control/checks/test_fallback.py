@@ -5,11 +5,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec import structs
 
-from farhand.common.scenario import ControllerSettings
 from farhand.common.seeds import stream
 from farhand.operator_side.control.checks.fallback import NEAR, safe_plan
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status
 from farhand.operator_side.control.newton import NewtonController
+from farhand.operator_side.settings import ControllerSettings
 
 SETTINGS = ControllerSettings()
 SEEDS = st.integers(0, 2**32 - 1)

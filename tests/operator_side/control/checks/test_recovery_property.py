@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from farhand.common.scenario import ControllerSettings
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import JUST_OUTSIDE, eased
 from farhand.operator_side.control.controller import ControlProblem
 from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.settings import ControllerSettings
 
 SETTINGS = ControllerSettings()
 CONTROLLER = make_controller(SETTINGS)
@@ -82,7 +82,9 @@ def test_the_eased_problem_is_the_same_but_for_the_margins_around_the_robot(want
     problem = problem_of((0.2, -0.1, 0.4), wanted, obstacles)
     easier = eased(problem, SETTINGS)
     gaps = np.linalg.norm(problem.position - problem.centres, axis=1)
-    inside = gaps < np.sqrt(problem.radii**2 + problem.sigmas)
+    reach = np.sqrt(problem.radii**2 + problem.sigmas)
+    assume(np.all(np.abs(gaps - reach) > 1e-12))  # on the very edge, rounding decides
+    inside = gaps < reach
     if easier is None:
         assert not inside.any()
         return

@@ -1,0 +1,212 @@
+"""Scenarios: what the robot is, what it shall do among which obstacles, and every setting, as validated TOML.
+
+The sections are typed by the sides that own them. SI units throughout (m, s, m/s, rad); `_hz` names a rate.
+"""
+
+import os
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from farhand.common.errors import InputError, ScenarioError
+from farhand.common.geometry import distance
+from farhand.common.kinds import Kinds
+from farhand.common.scenario.reader import name_key, non_finite_key, without_nulls
+from farhand.common.scenario.section import KindSection, checked_settings
+from farhand.common.scenario.task import Task
+from farhand.netem.settings import NetworkSettings
+from farhand.operator_side.control.registry import CONTROLLERS, SOLVERS
+from farhand.operator_side.margins.registry import MARGINS
+from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.operator_side.settings import (
+    ControllerSettings,
+    MarginSettings,
+    OperatorSettings,
+    SteeringSettings,
+)
+from farhand.operator_side.steering.registry import DEVICES
+from farhand.robot_side.robots.registry import ROBOTS
+from farhand.robot_side.settings import RobotSettings, SafetySettings
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+BUILT_IN = Path(__file__).resolve().parent.parent / "scenarios"
+
+
+class Scenario(Task, frozen=True, kw_only=True):
+    """Everything about one run but its seed: a task, and the settings of both sides and the network."""
+
+    robot: RobotSettings = RobotSettings()
+    safety: SafetySettings = SafetySettings()
+    controller: ControllerSettings = ControllerSettings()
+    margin: MarginSettings = MarginSettings()
+    operator: OperatorSettings = OperatorSettings()
+    steering: SteeringSettings = SteeringSettings()
+    network: NetworkSettings = NetworkSettings()
+
+    @property
+    def predictor(self) -> str:
+        """Name of the prediction law in force."""
+        return self.operator.predictor or MARGINS.get(self.margin.kind, "margin.kind").predictor
+
+
+@dataclass(frozen=True, slots=True)
+class _Kinds:
+    """Attributes:
+    section: of the scenario.
+    kinds: what it may name.
+    """
+
+    section: str
+    kinds: Kinds[Any]
+
+
+_SECTIONS = (
+    _Kinds("robot", ROBOTS),
+    _Kinds("controller", CONTROLLERS),
+    _Kinds("margin", MARGINS),
+    _Kinds("steering", DEVICES),
+)
+
+
+def load_scenario(name_or_path: str) -> Scenario:
+    """A built-in scenario by name, or one from a TOML file; raises ScenarioError with one clear line."""
+    path = Path(name_or_path)
+    if path.suffix == ".toml" or os.path.isfile(path):  # Path.is_file raises for a name that is too long
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise ScenarioError(f"scenario {name_or_path}: cannot be read: {error}") from None
+        return parse_scenario(text, name_or_path)
+    built_in = BUILT_IN / f"{name_or_path}.toml"
+    if name_or_path in built_in_names():
+        return parse_scenario(built_in.read_text(encoding="utf-8"), f"{name_or_path}.toml")
+    known = ", ".join(built_in_names())
+    raise ScenarioError(f"scenario {name_or_path!r}: no such name or file; built in: {known}")
+
+
+def built_in_names() -> list[str]:
+    """Names of the scenarios that come with Farhand."""
+    return sorted(path.stem for path in BUILT_IN.glob("*.toml"))
+
+
+def parse_scenario(text: str, where: str) -> Scenario:
+    """A scenario from TOML text; `where` names the source in errors."""
+    try:
+        table = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise ScenarioError(f"scenario {where}: not valid TOML: {error}") from None
+    return scenario_from_table(table, where)
+
+
+def scenario_from_table(table: dict[str, Any], where: str) -> Scenario:
+    """A scenario from nested dictionaries, validated and checked for sense."""
+    bad = non_finite_key(table)
+    if bad:
+        raise ScenarioError(f"scenario {where}: {bad}: must be a finite number")
+    try:
+        scenario = msgspec.convert(_with_own_tables(table), Scenario)
+        _check_kinds(scenario)
+    except msgspec.ValidationError as error:
+        raise ScenarioError(f"scenario {where}: {name_key(str(error))}{_hint(str(error))}") from None
+    except InputError as error:
+        raise ScenarioError(f"scenario {where}: {error}") from None
+    _check_sense(scenario, where)
+    return scenario
+
+
+def scenario_to_table(scenario: Scenario) -> dict[str, Any]:
+    """Nested dictionaries without nulls: what `scenario_from_table` reads, and TOML can hold."""
+    table: dict[str, Any] = without_nulls(msgspec.to_builtins(scenario))
+    for entry in _SECTIONS:
+        section = table[entry.section]
+        section.update(section.pop("own"))
+    return table
+
+
+def replace_setting(scenario: Scenario, dotted: str, value: object) -> Scenario:
+    """The scenario with one setting replaced, e.g. `controller.gamma`; raises ScenarioError."""
+    table = scenario_to_table(scenario)
+    place: Any = table
+    *parents, last = dotted.split(".")
+    for key in parents:
+        place = place.setdefault(key, {}) if isinstance(place, dict) else None
+    if not isinstance(place, dict):
+        raise ScenarioError(f"setting {dotted!r}: no such key in a scenario")
+    place[last] = value
+    return scenario_from_table(table, f"setting {dotted}")
+
+
+def _with_own_tables(table: dict[str, Any]) -> dict[str, Any]:
+    """The same with the kinds' tables gathered under `own`, where the sections have them."""
+    found = dict(table)
+    for entry in _SECTIONS:
+        section = table.get(entry.section)
+        if isinstance(section, dict):
+            own = {key: value for key, value in section.items() if isinstance(value, dict)}
+            if "own" in section and "own" not in own:
+                own["own"] = section["own"]  # is refused as what it is: no kind of that name
+            found[entry.section] = {k: v for k, v in section.items() if k not in own} | {"own": own}
+    return found
+
+
+def _check_kinds(scenario: Scenario) -> None:
+    """Raise InputError unless every kind that is named exists and its settings fit."""
+    for entry in _SECTIONS:
+        section: KindSection = getattr(scenario, entry.section)
+        if section.kind not in entry.kinds:
+            entry.kinds.get(section.kind, f"{entry.section}.kind")
+        for name, table in section.own.items():
+            kind = entry.kinds.get(name, f"{entry.section}.{name}")
+            checked_settings(table, kind, f"{entry.section}.{name}")
+        if entry.kinds.is_outside(section.kind):
+            kind = entry.kinds.get(section.kind)
+            checked_settings(section.own.get(section.kind, {}), kind, f"{entry.section}.{section.kind}")
+    if scenario.controller.solver not in SOLVERS:
+        SOLVERS.get(scenario.controller.solver, "controller.solver")
+    predictor = scenario.operator.predictor
+    if predictor is not None and predictor not in PREDICTORS:
+        PREDICTORS.get(predictor, "operator.predictor")
+
+
+def _hint(text: str) -> str:
+    """Where an unknown key of a section may belong."""
+    match = re.search(r"unknown field `(\w+)` - at `\$\.(margin|steering)`", text)
+    if match is None:
+        return ""
+    key, section = match.groups()
+    kinds = next(entry.kinds for entry in _SECTIONS if entry.section == section)
+    for name in kinds.names():
+        if not kinds.is_outside(name) and key in kinds.get(name).Settings.__struct_fields__:
+            return f"; the law's own settings are in its table: {section}.{name}.{key}".replace(
+                "law", kinds.what
+            )
+    return ""
+
+
+def _check_sense(scenario: Scenario, where: str) -> None:
+    seen: set[str] = set()
+    keep = scenario.robot.radius + scenario.controller.d_min
+    for index, obstacle in enumerate(scenario.obstacles):
+        if obstacle.id in seen:
+            raise ScenarioError(f"scenario {where}: obstacles[{index}].id: {obstacle.id!r} is there twice")
+        seen.add(obstacle.id)
+        gap = distance(scenario.start, obstacle.position) - obstacle.radius
+        if gap < keep:
+            raise ScenarioError(
+                f"scenario {where}: start: lies {gap:.3f} m from obstacle {obstacle.id!r}; "
+                f"at least robot.radius + controller.d_min = {keep:.3f} m is needed"
+            )
+    safety = scenario.safety
+    if safety.stop_timeout < safety.command_timeout:
+        raise ScenarioError(
+            f"scenario {where}: safety.stop_timeout: {safety.stop_timeout} s is shorter than "
+            f"safety.command_timeout, {safety.command_timeout} s"
+        )

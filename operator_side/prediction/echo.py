@@ -1,0 +1,25 @@
+"""The commands after the one that the robot says it applies, each for one period: no clock, no average."""
+
+from farhand.common.messages.state import RobotState
+from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved
+
+
+class EchoPrediction(StatePredictor):
+    """Command `seq` takes effect (seq - s) * period - hold after the sampled state, s the command applied there."""
+
+    knows_plan = True
+
+    def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
+        """See StatePredictor."""
+        known = self.known
+        start = known.compensated(state)
+        applied = known.applied(state)
+        if applied is None:
+            return Prediction(start)
+        period, held = known.period, state.applied_for_ns * 1e-9
+        start = moved(start, applied.velocity(0), max(0.0, period - held))
+        for k in range(applied.seq + 1, seq):
+            command = known.history.get(k)
+            if command is not None:
+                start = moved(start, command.velocity(0), period)
+        return Prediction(start, max(0.0, (seq - applied.seq) * period - held))

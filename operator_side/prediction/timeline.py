@@ -1,0 +1,42 @@
+"""The robot's whole timeline from its echo to the new command, with what it does when commands stay away."""
+
+import math
+
+from farhand.common.messages.state import RobotState
+from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved, shifted
+
+
+class Timeline(StatePredictor):
+    """The state says: command s applied, held for h.
+
+    In the j-th period after s took effect the robot runs command s + j; where that was never sent, or in the
+    period j0 = floor(h / period) under way, it plays on the newest plan that it has. Commands that were due by
+    then and are not echoed count as lost. `spread` is the largest difference that further losses could make.
+    """
+
+    knows_plan = True
+
+    def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
+        """See StatePredictor."""
+        known = self.known
+        z = known.compensated(state)
+        applied = known.applied(state)
+        if applied is None:
+            return Prediction(z)
+        period, held = known.period, state.applied_for_ns * 1e-9
+        under_way, last = int(held / period), seq - applied.seq
+        look = last * period - held
+        if look <= 0.0:
+            return Prediction(z)
+        travelled, base = applied.displacement(last * period), applied.displacement(held)
+        branches = [shifted(z, travelled, base)]
+        playing = applied
+        for j in range(under_way, last):
+            command = known.history.get(applied.seq + j) if j > under_way else None
+            if command is not None:
+                playing = command
+                branches.append(shifted(z, command.displacement((last - j) * period)))
+            duration = period if j > under_way else (under_way + 1) * period - held
+            z = moved(z, playing.velocity(j - (playing.seq - applied.seq)), duration)
+        spread = max(math.dist(branch, z) for branch in branches)
+        return Prediction(z, look, spread)
