@@ -1,0 +1,1 @@
+"""A run: its results, summary, report, figure and folder."""
