@@ -7,9 +7,9 @@ from typing import Any
 import msgspec
 import tomli_w
 
-from farhand.common.timing.clock import local_timestamp
 from farhand.common.errors import InputError
 from farhand.common.scenario import Scenario, scenario_to_table
+from farhand.common.timing.clock import local_timestamp
 from farhand.runs.results import OperatorResult
 from farhand.runs.summary import RunSummary, Tally, summarise
 
