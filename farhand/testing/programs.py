@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import IO
@@ -75,18 +75,24 @@ class Program:
 
     def wait_for(self, text: str, patience: float = PATIENCE) -> str:
         """The next line with this text in it; AssertionError if it ends or `patience` (s) is over before."""
+        return self.wait_for_line(lambda line: text in line, patience, repr(text))
+
+    def wait_for_line(
+        self, holds: Callable[[str], bool], patience: float = PATIENCE, what: str = "such a line"
+    ) -> str:
+        """The next line of which it holds; the failure calls it `what`."""
         deadline_ns = self._clock.now_ns() + to_ns(patience)
         while True:
             left = to_seconds(deadline_ns - self._clock.now_ns())
             try:
                 line = self._lines.get(timeout=max(0.0, left))
             except queue.Empty:
-                raise AssertionError(f"{text!r} did not come within {patience:g} s: {self.said}") from None
+                raise AssertionError(f"{what} did not come within {patience:g} s: {self.said}") from None
             if line is None:
                 self._lines.put(None)
-                raise AssertionError(f"it ended before {text!r}: {self.said}")
+                raise AssertionError(f"it ended before {what}: {self.said}")
             self.said.append(line)
-            if text in line:
+            if holds(line):
                 return line
 
     def wait(self, patience: float = PATIENCE) -> int:
