@@ -6,7 +6,6 @@ from pathlib import Path
 from rich.console import Console
 
 from farhand.common.errors import InputError
-from farhand.runs.scenario import Scenario
 from farhand.runs.figure import draw_run
 from farhand.runs.report import print_outcome
 from farhand.runs.run_folder import (
@@ -18,6 +17,7 @@ from farhand.runs.run_folder import (
     summarise_folder,
     write_scenario,
 )
+from farhand.runs.scenario import Scenario
 from farhand.runs.summary import write_summary
 
 

@@ -7,8 +7,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from farhand.runs.units import milliseconds
 from farhand.runs.summary import RunSummary, count_reasons, to_json
+from farhand.runs.units import milliseconds
 
 
 def print_outcome(

@@ -7,10 +7,10 @@ from typing import Any
 import msgspec
 import tomli_w
 
-from farhand.common.timing.clock import local_timestamp
 from farhand.common.errors import InputError
-from farhand.runs.scenario import Scenario, scenario_to_table
+from farhand.common.timing.clock import local_timestamp
 from farhand.runs.results import OperatorResult
+from farhand.runs.scenario import Scenario, scenario_to_table
 from farhand.runs.summary import RunSummary, Tally, summarise
 
 SCENARIO, OPERATOR, NETEM, ROBOT = "scenario.toml", "operator.json", "netem.json", "robot.json"

@@ -1,5 +1,6 @@
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -8,21 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from farhand.common.link.link import Packet
+from farhand.common.link.ports import free_ports
 from farhand.common.process.systemd import CountingLink, tell_systemd, watchdog_interval
+from farhand.testing import Program, ScriptedLink
 
 ROOT = Path(__file__).resolve().parents[2]
 UNITS = sorted((ROOT / "docker/systemd").glob("*.service"))
-
-
-class IdleLink:
-    def __init__(self):
-        self.sent = []
-
-    def send(self, packet):
-        self.sent.append(packet)
-
-    def receive(self):
-        return []
 
 
 @pytest.fixture
@@ -41,13 +34,13 @@ def stop_event():
 
 
 def test_without_systemd_the_link_stays_as_it_is(stop_event):
-    link = IdleLink()
+    link = ScriptedLink()
     assert tell_systemd(link, stop_event, {}) is link
 
 
 def test_ready_after_the_first_step_and_alive_as_long_as_there_are_steps(systemd, stop_event):
     environment = {"NOTIFY_SOCKET": systemd.getsockname(), "WATCHDOG_USEC": "60000"}
-    link = tell_systemd(IdleLink(), stop_event, environment)
+    link = tell_systemd(ScriptedLink(), stop_event, environment)
     assert isinstance(link, CountingLink)
     link.receive()
     assert systemd.recv(100) == b"READY=1\nWATCHDOG=1"
@@ -63,11 +56,11 @@ def test_ready_after_the_first_step_and_alive_as_long_as_there_are_steps(systemd
 
 def test_a_vanished_systemd_disturbs_nobody(tmp_path, stop_event):
     link = tell_systemd(
-        IdleLink(), stop_event, {"NOTIFY_SOCKET": str(tmp_path / "none"), "WATCHDOG_USEC": "1000"}
+        ScriptedLink(), stop_event, {"NOTIFY_SOCKET": str(tmp_path / "none"), "WATCHDOG_USEC": "1000"}
     )
     for _ in range(1000):
         assert link.receive() == []
-    link.send("packet")
+    link.send(Packet("k", b"packet"))
 
 
 @pytest.mark.parametrize(
@@ -88,19 +81,13 @@ def test_the_watchdog_is_fed_three_times_in_its_patience(environment, expected):
 @pytest.mark.realtime
 def test_the_robots_program_tells_systemd(systemd):
     settings = {"NOTIFY_SOCKET": systemd.getsockname(), "WATCHDOG_USEC": "300000"}
-    command = [sys.executable, "-m", "farhand", "robot", "--scenario", "point-obstacle", "--listen"]
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = 20_000 + probe.getsockname()[1] % 12_000
-    program = subprocess.Popen(
-        [*command, f"tcp/127.0.0.1:{port}"], env=os.environ | settings, cwd=ROOT, stderr=subprocess.DEVNULL
-    )
-    try:
+    place = f"tcp/127.0.0.1:{free_ports(1)[0]}"
+    words = "robot", "--scenario", "point-obstacle", "--listen", place
+    with Program(*words, environment=settings) as program:
         assert systemd.recv(100) == b"READY=1\nWATCHDOG=1"
         assert systemd.recv(100) == b"WATCHDOG=1"
-    finally:
-        program.terminate()
-        assert program.wait(20) == 0
+        program.signal(signal.SIGTERM)
+        assert program.wait() == 0
 
 
 @pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="needs systemd-analyze")

@@ -9,8 +9,6 @@ from farhand.common.errors import InputError
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import encode
-from farhand.common.messages.command import VelocityCommand
-from farhand.common.messages.state import RobotState
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.action import Action
 from farhand.netem.control import handle
@@ -18,6 +16,7 @@ from farhand.netem.netem_node import ConservationError, NetemNode
 from farhand.netem.release_queue import Limits
 from farhand.netem.spec import parse_spec
 from farhand.netem.timeline import load_timeline, parse_timeline
+from farhand.testing import command, state
 
 MS = 1_000_000
 SECOND = 1_000_000_000
@@ -110,24 +109,11 @@ def test_malformed_payloads_pass_through():
     assert [p for _, p in received(rig.operator)] == junk
 
 
-def command(seq, session=7):
-    fields = {"source": "operator", "session": session, "seq": seq, "t_sent_ns": 5}
-    return encode(VelocityCommand(**fields, mode="hold", velocity=(0.0, 0.0, 0.0)))
-
-
-def state(seq, echo):
-    fields = {"source": "robot", "session": 9, "seq": seq, "t_sent_ns": 6, "t_sample_ns": 6}
-    zero = (0.0, 0.0, 0.0)
-    return encode(
-        RobotState(**fields, position=zero, velocity=zero, clearance=1.0, min_clearance=1.0, echo=echo)
-    )
-
-
 def test_round_trip_from_echoes():
     """20 ms up, held 7 ms, 30 ms down: 50 ms of network."""
     rig = Rig("constant:20", "constant:30")
-    rig.send(0, "operator", "farhand/r/command", command(0))
-    rig.send(27, "robot", "farhand/r/state", state(0, Echo(7, 0, 5, 7 * MS)))
+    rig.send(0, "operator", "farhand/r/command", encode(command(0)))
+    rig.send(27, "robot", "farhand/r/state", encode(state(0, echo=Echo(7, 0, 5, 7 * MS))))
     found = rig.run(100)
     assert found["rtt_by_robot"]["r"]["count"] == 1
     assert found["rtt"]["mean"] == pytest.approx(0.05)
@@ -136,10 +122,10 @@ def test_round_trip_from_echoes():
 
 def test_an_echo_of_what_was_not_let_through_is_a_bypass():
     rig = Rig("loss:100%", "none")
-    rig.send(0, "operator", "farhand/r/command", command(0))
-    rig.send(1, "robot", "farhand/r/state", state(0, Echo(7, 0, 5, 0)))
-    rig.send(2, "robot", "farhand/r/state", state(1, Echo(7, 9, 5, 0)))
-    rig.send(3, "robot", "farhand/r/state", state(2, Echo(8, 9, 5, 0)))
+    rig.send(0, "operator", "farhand/r/command", encode(command(0)))
+    rig.send(1, "robot", "farhand/r/state", encode(state(0, echo=Echo(7, 0, 5, 0))))
+    rig.send(2, "robot", "farhand/r/state", encode(state(1, echo=Echo(7, 9, 5, 0))))
+    rig.send(3, "robot", "farhand/r/state", encode(state(2, echo=Echo(8, 9, 5, 0))))
     assert rig.run(100)["bypassed"] == 2
 
 

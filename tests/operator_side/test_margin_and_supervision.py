@@ -4,8 +4,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from farhand.common.messages.scene import Scene
-from farhand.common.messages.state import RobotState
 from farhand.operator_side.margins.law import MarginInput
 from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.settings import MarginSettings
@@ -14,8 +12,10 @@ from farhand.operator_side.steering.targets import Targets
 from farhand.operator_side.steering.tester import ACKNOWLEDGE_PERIOD_NS, TesterSettings
 from farhand.operator_side.steering.tester import Tester as PaperTester
 from farhand.operator_side.supervision import ASK_PERIOD_NS, Seat, Supervision, decide
+from farhand.testing import messages
 
 ME, OTHER = 7, 8
+NAMES = {0: "", ME: "me", OTHER: "other"}
 GIVEN = MarginInput(speed=0.4, rtt_mean=0.1, rtt_std=0.02, innovation=0.03, spread=0.05)
 
 
@@ -48,17 +48,13 @@ def test_the_adaptive_margin_is_the_largest_of_its_parts_within_its_bounds(innov
 
 
 def state(mode="run", holder=ME, position=(0.0, 0.0, 0.0), **changes):
-    return RobotState(
-        source="r", session=9, seq=1, t_sent_ns=0, t_sample_ns=0, position=position, velocity=(0.0, 0.0, 0.0),
-        clearance=1.0, min_clearance=1.0, mode=mode, reason="why", holder=holder,
-        holder_name={0: "", ME: "me", OTHER: "other"}[holder], **changes,
-    )  # fmt: skip
+    return messages.state(
+        mode=mode, reason="why", holder=holder, holder_name=NAMES[holder], position=position, **changes
+    )
 
 
 def scene(*targets):
-    return Scene(
-        source="r", session=9, seq=1, t_sent_ns=0, t_sample_ns=0, robot_radius=0.1, targets=tuple(targets)
-    )
+    return messages.scene(targets=targets)
 
 
 ON = SteeringInput((1.0, 0.0, 0.0), engaged=True)

@@ -3,83 +3,71 @@
 import itertools
 
 import msgspec
+import numpy as np
 import pytest
 
-from farhand.common.link.link import Packet, memory_wire
 from farhand.common.messages.base import Echo
-from farhand.common.messages.codec import Decoder, encode
-from farhand.common.messages.command import VelocityCommand
-from farhand.common.messages.scene import Obstacle, Scene
-from farhand.common.messages.state import RobotState
-from farhand.operator_side.control.controller import ControlSolution, Status
+from farhand.common.messages.codec import encode
+from farhand.common.messages.scene import Obstacle
+from farhand.operator_side.control.controller import Status
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import STALE_STATE, OperatorIdentity, OperatorNode
-from farhand.operator_side.steering.device import SteeringDevice, SteeringInput
+from farhand.operator_side.steering.device import SteeringInput
 from farhand.runs.scenario import load_scenario, replace_setting
+from farhand.testing import (
+    OPERATOR_SESSION,
+    ROBOT_SESSION,
+    ScriptedController,
+    ScriptedDevice,
+    ScriptedLink,
+    echo_of,
+    scene,
+    state,
+)
 
 MS = 1_000_000
 P = 100 * MS
-ME, ROBOT = 7, 9
+ME, ROBOT = OPERATOR_SESSION, ROBOT_SESSION
 ZERO = (0.0, 0.0, 0.0)
 FORWARD = (0.2, 0.0, 0.0)
 
 
-class Device(SteeringDevice):
-    """Wants what the test wants."""
-
-    def __init__(self):
-        super().__init__()
-        self.wants = SteeringInput(FORWARD, engaged=True)
-
-    def read(self, view):
-        return self.wants
-
-
 class Bench:
+    """A node, its link to the test, and the commands that left."""
+
     def __init__(self, controller=None, **settings):
         scenario = load_scenario("point-obstacle")
         for key, value in ({"controller.kind": "pass-through"} | settings).items():
             scenario = replace_setting(scenario, key, value)
-        self.far, link = memory_wire()
-        self.device = Device()
+        self.link, self.device = ScriptedLink("r"), ScriptedDevice(FORWARD)
         controller = controller or make_controller(scenario.controller)
-        self.node = OperatorNode(scenario, controller, self.device, link, OperatorIdentity("r", ME), 0.1)
+        self.node = OperatorNode(scenario, controller, self.device, self.link, OperatorIdentity("r", ME), 0.1)
         self.now = 5_000 * MS
         self.seqs, self.scene_seqs = itertools.count(), itertools.count()
         self.sent = []
 
-    def robot(self, echoed=None, holder=ME, mode="run", applied=None, **changes):
-        """The robot sends a state that echoes one of our commands."""
+    def robot(self, echoed=None, applied=None, at_ns=None, **changes):
+        """The robot sends a state that echoes one of our commands, and arrives at `at_ns`: now."""
         fields = {
-            "source": "r", "session": ROBOT, "seq": next(self.seqs), "t_sent_ns": 77, "t_sample_ns": 77,
-            "echo": None if echoed is None else Echo(ME, echoed.seq, echoed.t_sent_ns, 0), "holder": holder,
-            "mode": mode, "position": (0.6, 0.0, 0.6), "velocity": ZERO, "clearance": 1.0, "min_clearance": 0.9,
+            "seq": next(self.seqs), "t_sent_ns": 77, "position": (0.6, 0.0, 0.6),
+            "echo": None if echoed is None else echo_of(echoed),
             "applied_session": 0 if applied is None else ME, "applied_seq": 0 if applied is None else applied.seq,
         } | changes  # fmt: skip
-        self._send("state", RobotState(**fields))
+        self.link.feed(state(**fields), self.now if at_ns is None else at_ns)
 
     def scene(self, *obstacles):
-        self._send(
-            "scene",
-            Scene(
-                source="r", session=ROBOT, seq=next(self.scene_seqs), t_sent_ns=77, t_sample_ns=77, robot_radius=0.1,
-                obstacles=obstacles,
-            ),
-        )  # fmt: skip
-
-    def _send(self, kind, message):
-        self.far.send(Packet(f"farhand/r/{kind}", encode(message), self.now))
+        self.link.feed(scene(next(self.scene_seqs), *obstacles, t_sent_ns=77), self.now)
 
     def tick(self, late_ns=0):
         """The next tick; returns the command that left, or None."""
-        now = self.now + late_ns
+        now = self.link.now_ns = self.now + late_ns
         self.now = self.node.step(now)
-        packets = self.far.receive()
-        assert len(packets) <= 1
-        if not packets:
+        commands = self.link.take()
+        assert len(commands) <= 1
+        if not commands:
             return None
-        assert packets[0].key == "farhand/r/command"
-        command = Decoder(VelocityCommand).decode_or_raise(packets[0].payload)
+        assert self.link.sent[-1].key == "farhand/r/command"
+        (command,) = commands
         assert command.t_sent_ns == now
         self.sent.append(command)
         return command
@@ -120,7 +108,7 @@ def test_it_asks_for_control_and_then_drives():
     assert bench.node.driving_since_ns == command.t_sent_ns
     report = bench.node.report
     assert (report.mode, report.stop_reason, report.target_index, report.target_count) == ("run", "", 0, 0)
-    assert report.rtt == pytest.approx(0.0 if bench.now == 0 else report.rtt)
+    assert report.rtt == pytest.approx(0.1)  # the answer came with the next tick
     assert report.clearance == 1.0
     assert report.tick == 1
 
@@ -128,14 +116,8 @@ def test_it_asks_for_control_and_then_drives():
 def test_the_report_knows_the_round_trip():
     bench = Bench()
     command = bench.drive()
-    bench.now += 0
-    arrived = command.t_sent_ns + 60 * MS
-    state = RobotState(
-        source="r", session=ROBOT, seq=next(bench.seqs), t_sent_ns=1, t_sample_ns=1, position=ZERO, velocity=ZERO,
-        clearance=1.0, min_clearance=1.0, holder=ME, echo=Echo(ME, command.seq, command.t_sent_ns, 15 * MS),
-    )  # fmt: skip
-    bench.far.send(Packet("farhand/r/state", encode(state), arrived))
-    bench.tick()
+    bench.robot(echo=echo_of(command, hold_ns=15 * MS), at_ns=command.t_sent_ns + 60 * MS)
+    assert bench.tick().t_sent_ns == command.t_sent_ns + 100 * MS
     assert bench.node.report.rtt == pytest.approx(0.045)
     assert bench.node.report.state_age == pytest.approx(0.040)
 
@@ -226,8 +208,7 @@ def test_release_is_the_last_word():
     bench = Bench()
     command = bench.drive()
     bench.node.release(bench.now)
-    (packet,) = bench.far.receive()
-    last = Decoder(VelocityCommand).decode_or_raise(packet.payload)
+    (last,) = bench.link.take()
     assert (last.mode, last.velocity, last.plan, last.seq) == ("release", ZERO, (), command.seq + 1)
 
 
@@ -237,40 +218,17 @@ def test_late_and_broken_messages_do_not_disturb_it():
     bench.robot(command)
     bench.robot(command, seq=0, position=(9.0, 9.0, 9.0))
     for payload in (b"", b"junk", b"\x00" * 2_000_000):
-        bench.far.send(Packet("farhand/r/state", payload, bench.now))
-    bench.far.send(Packet("farhand/elsewhere/state", b"junk", bench.now))
+        bench.link.feed(payload, bench.now, "farhand/r/state")
+    bench.link.feed(b"junk", bench.now, "farhand/elsewhere/state")
     assert bench.tick().velocity == FORWARD
     report = bench.node.report
     assert report.refused_here == 3
     assert report.position == (0.6, 0.0, 0.6)
 
 
-class Broken:
-    """A controller that fails in the way it is told."""
-
-    solver_notice = ""
-
-    def __init__(self, status, velocity=(0.3, 0.0, 0.0)):
-        self.status, self.velocity, self.resets, self.problems = status, velocity, 0, []
-        self.settings = None
-
-    def prepare(self):
-        pass
-
-    def reset(self):
-        self.resets += 1
-
-    def solve(self, problem):
-        import numpy as np
-
-        self.problems.append(problem)
-        plan = np.tile(self.velocity, (10, 1))
-        return ControlSolution(plan, self.status)
-
-
 @pytest.mark.parametrize("status", [Status.FAILED, Status.BAD_INPUT])
 def test_a_solver_that_fails_stands_still_and_says_so(status):
-    bench = Bench(Broken(status), **{"controller.kind": "mpc-cbf"})
+    bench = Bench(ScriptedController(status=status), **{"controller.kind": "mpc-cbf"})
     assert bench.drive().velocity == ZERO
     assert bench.node.report.status == status.value
     assert bench.node.report.stop_reason != ""
@@ -278,7 +236,7 @@ def test_a_solver_that_fails_stands_still_and_says_so(status):
 
 
 def test_the_obstacles_are_those_of_the_wire_and_the_newest_of_them():
-    controller = Broken(Status.OPTIMAL)
+    controller = ScriptedController()
     bench = Bench(
         controller, **{"controller.kind": "mpc-cbf", "controller.d_min": 0.01, "margin.adaptive.floor": 0.02}
     )
@@ -293,7 +251,7 @@ def test_the_obstacles_are_those_of_the_wire_and_the_newest_of_them():
 
 
 def test_moving_obstacles_are_taken_to_where_they_will_be():
-    controller = Broken(Status.OPTIMAL)
+    controller = ScriptedController()
     bench = Bench(controller, **{"controller.kind": "mpc-cbf", "operator.predictor": "last-command"})
     bench.drive()
     bench.scene(Obstacle("ball", (3.0, 0.0, 0.0), 0.5, (0.0, 1.0, 0.0)))
@@ -305,7 +263,7 @@ def test_moving_obstacles_are_taken_to_where_they_will_be():
 
 
 def test_silence_forgets_the_warm_start():
-    controller = Broken(Status.OPTIMAL)
+    controller = ScriptedController()
     bench = Bench(controller, **{"controller.kind": "mpc-cbf"})
     bench.drive()
     for _ in range(12):
@@ -315,13 +273,11 @@ def test_silence_forgets_the_warm_start():
 
 @pytest.mark.parametrize(("predictor", "held"), [("timeline", False), ("echo", False), ("history", True)])
 def test_laws_that_do_not_know_the_plan_hold_the_first_velocity(predictor, held):
-    class Slowing(Broken):
-        def solve(self, problem):
-            solution = super().solve(problem)
-            solution.plan[1:] *= 0.5
-            return solution
-
-    bench = Bench(Slowing(Status.OPTIMAL), **{"controller.kind": "mpc-cbf", "operator.predictor": predictor})
+    slowing = [(0.3, 0.0, 0.0)] + [(0.15, 0.0, 0.0)] * 9
+    bench = Bench(
+        ScriptedController(np.array(slowing)),
+        **{"controller.kind": "mpc-cbf", "operator.predictor": predictor},
+    )
     command = bench.drive()
     assert command.velocity == pytest.approx((0.3, 0.0, 0.0))
     assert command.plan[-1] == pytest.approx((0.3 if held else 0.15, 0.0, 0.0))

@@ -7,20 +7,12 @@ import pytest
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import encode
-from farhand.common.messages.scene import Scene
-from farhand.common.messages.state import RobotState
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.round_trip import RoundTrip
+from farhand.testing import scene, state
 
 MS = 1_000_000
 ME = 7
-
-
-def state(seq, echo=None, session=9):
-    return RobotState(
-        source="r", session=session, seq=seq, t_sent_ns=0, echo=echo, t_sample_ns=0,
-        position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), clearance=1.0, min_clearance=1.0,
-    )  # fmt: skip
 
 
 def echo(seq, sent, hold=0, session=ME):
@@ -29,7 +21,7 @@ def echo(seq, sent, hold=0, session=ME):
 
 def test_the_round_trip_is_now_less_the_stamp_less_the_hold():
     trip = RoundTrip(ME, 30)
-    trip.received(state(0, echo(0, 100 * MS, hold=5 * MS)), 147 * MS)
+    trip.received(state(0, echo=echo(0, 100 * MS, hold=5 * MS)), 147 * MS)
     assert trip.newest == pytest.approx(0.042)
     assert trip.mean == pytest.approx(0.042)
     assert trip.std == 0.0
@@ -38,20 +30,20 @@ def test_the_round_trip_is_now_less_the_stamp_less_the_hold():
 
 def test_only_the_first_echo_of_a_command_counts():
     trip = RoundTrip(ME, 30)
-    trip.received(state(0, echo(3, 0)), 10 * MS)
-    trip.received(state(1, echo(3, 0, hold=1 * MS)), 90 * MS)  # says nothing new
-    trip.received(state(2, echo(2, 0)), 95 * MS)  # came too late
-    trip.received(state(3, echo(9, 0, session=8)), 99 * MS)  # not mine
+    trip.received(state(0, echo=echo(3, 0)), 10 * MS)
+    trip.received(state(1, echo=echo(3, 0, hold=1 * MS)), 90 * MS)  # says nothing new
+    trip.received(state(2, echo=echo(2, 0)), 95 * MS)  # came too late
+    trip.received(state(3, echo=echo(9, 0, session=8)), 99 * MS)  # not mine
     trip.received(state(4), 99 * MS)
     assert (trip.count, trip.newest) == (1, pytest.approx(0.010))
-    trip.received(state(5, echo(5, 50 * MS)), 70 * MS)
+    trip.received(state(5, echo=echo(5, 50 * MS)), 70 * MS)
     assert (trip.count, trip.newest) == (2, pytest.approx(0.020))
 
 
 def test_mean_and_standard_deviation_over_the_window_and_over_all():
     trip, samples = RoundTrip(ME, 4), [0.010, 0.030, 0.020, 0.050, 0.040, 0.090]
     for seq, rtt in enumerate(samples):
-        trip.received(state(seq, echo(seq, 0)), round(rtt * 1e9))
+        trip.received(state(seq, echo=echo(seq, 0)), round(rtt * 1e9))
     assert trip.mean == pytest.approx(statistics.mean(samples[-4:]))
     assert trip.std == pytest.approx(statistics.stdev(samples[-4:]))
     assert trip.overall() == (
@@ -68,7 +60,7 @@ def test_nothing_measured():
 
 def test_a_clock_that_cannot_be_gives_no_negative_round_trip():
     trip = RoundTrip(ME, 30)
-    trip.received(state(0, echo(0, 100 * MS, hold=50 * MS)), 110 * MS)
+    trip.received(state(0, echo=echo(0, 100 * MS, hold=50 * MS)), 110 * MS)
     assert trip.newest == 0.0
 
 
@@ -77,9 +69,9 @@ def test_age_is_that_of_the_oldest_unanswered_command():
     for seq in range(5):
         trip.sent(seq, seq * 100 * MS)
     assert trip.age(450 * MS) == pytest.approx(0.450)
-    trip.received(state(0, echo(2, 200 * MS)), 300 * MS)
+    trip.received(state(0, echo=echo(2, 200 * MS)), 300 * MS)
     assert trip.age(450 * MS) == pytest.approx(0.150)
-    trip.received(state(1, echo(4, 400 * MS)), 430 * MS)
+    trip.received(state(1, echo=echo(4, 400 * MS)), 430 * MS)
     assert trip.age(450 * MS) == 0.0
     trip.sent(5, 500 * MS)
     trip.forget_unanswered()
@@ -111,10 +103,6 @@ def test_reordered_states_are_not_lost():
     for seq in range(300):
         trip.received(state(seq ^ 3), seq)
     assert trip.loss == 0.0
-
-
-def scene(seq):
-    return Scene(source="r", session=9, seq=seq, t_sent_ns=0, t_sample_ns=0, robot_radius=0.1)
 
 
 def test_perception_keeps_the_newest_by_sequence_number():

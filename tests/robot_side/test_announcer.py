@@ -3,12 +3,12 @@ import pytest
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import encode
-from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import command_key
 from farhand.robot_side.announcer import Announcer
 from farhand.robot_side.safety.command_intake import CommandIntake
 from farhand.robot_side.safety.watchdog import Watchdog
 from farhand.robot_side.settings import SafetySettings
+from farhand.testing import command
 
 MS = 1_000_000
 ROBOT, ALICE, EVE = 7, 0xA11CE, 0xE7E
@@ -25,11 +25,9 @@ class Rig:
         self.now_ns = 1000 * MS
 
     def send(self, session, seq, mode="run", count=1, source="operator"):
-        command = VelocityCommand(
-            source=source, session=session, seq=seq, t_sent_ns=1, mode=mode, velocity=(0.1, 0.0, 0.0),
-            echo=Echo(ROBOT, 1, self.now_ns, 0),
-        )  # fmt: skip
-        self.intake.take([Packet(command_key("r"), encode(command))] * count, self.now_ns)
+        basis = Echo(ROBOT, 1, self.now_ns, 0)
+        payload = encode(command(seq, mode, session=session, source=source, echo=basis))
+        self.intake.take([Packet(command_key("r"), payload)] * count, self.now_ns)
 
     def let(self, ms):
         """Time passes; returns what was said meanwhile."""

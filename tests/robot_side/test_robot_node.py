@@ -6,18 +6,13 @@ import math
 import msgspec
 import pytest
 
-from farhand.common.link.link import Packet, memory_wire
-from farhand.common.messages.base import SCHEMA, Echo
-from farhand.common.messages.codec import Decoder, encode
-from farhand.common.messages.command import VelocityCommand
-from farhand.common.messages.keys import command_key, scene_key, state_key
-from farhand.common.messages.scene import Obstacle, Scene
-from farhand.common.messages.state import RobotState
+from farhand.common.messages.base import SCHEMA
+from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.obstacle_field import ObstacleField
 from farhand.robot_side.robot_node import RobotNode
-from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario
+from farhand.testing import ScriptedLink, ScriptedRobot, command, echo_of
 
 SESSION = 1234
 SECOND = 1_000_000_000
@@ -25,33 +20,30 @@ SCENARIO = load_scenario("point-obstacle")
 
 
 class Bench:
-    """A node, the operator's end of its link, and what came out."""
+    """A node, its link to the test, and what came out."""
 
     def __init__(self, scenario=SCENARIO, robot=None):
-        self.far, link = memory_wire()
-        self.node = RobotNode(scenario, robot or make_robot(scenario), link, "r1", SESSION)
+        self.link = ScriptedLink("r1")
+        self.node = RobotNode(scenario, robot or make_robot(scenario), self.link, "r1", SESSION)
         self.now = 7 * SECOND
         self.states, self.scenes = [], []
-        self.decoders = {state_key("r1"): Decoder(RobotState), scene_key("r1"): Decoder(Scene)}
         self.seq = 0
 
     def tick(self, n=1):
         for _ in range(n):
-            due = self.now
-            self.now = self.node.step(due)
-            for packet in self.far.receive():
-                message = self.decoders[packet.key].decode_or_raise(packet.payload)
-                (self.states if packet.key == state_key("r1") else self.scenes).append(message)
+            self.link.now_ns = self.now
+            self.now = self.node.step(self.now)
+            self.states += self.link.take("state")
+            self.scenes += self.link.take("scene")
 
-    def command(self, velocity=(0.2, 0.0, 0.0), mode="run", session=7, **changes):
+    def command(self, velocity=(0.2, 0.0, 0.0), mode="run", **changes):
+        """The next command, built on the newest state."""
         self.seq += 1
-        echo = Echo(SESSION, self.states[-1].seq, self.states[-1].t_sent_ns, 0) if self.states else None
-        fields = {"seq": self.seq, "echo": echo, "velocity": velocity, "mode": mode} | changes
-        return VelocityCommand(source="op", session=session, t_sent_ns=self.seq, **fields)
+        echo = echo_of(self.states[-1]) if self.states else None
+        return command(self.seq, mode, **({"velocity": velocity, "echo": echo} | changes))
 
-    def send(self, payload, key=None):
-        payload = payload if isinstance(payload, bytes) else encode(payload)
-        self.far.send(Packet(key or command_key("r1"), payload))
+    def send(self, what, key="farhand/r1/command"):
+        self.link.feed(what, self.now, key)
 
 
 def test_good_command_moves_the_robot_and_is_shown():
@@ -118,8 +110,8 @@ def test_burst_of_old_commands_after_an_outage_moves_nothing():
     held_back = [bench.command(velocity=(0.5, 0.0, 0.5)) for _ in range(40)]
     bench.tick(100)
     before = bench.states[-1].position
-    for command in held_back:
-        bench.send(command)
+    for old in held_back:
+        bench.send(old)
     bench.tick(20)
     assert bench.states[-1].mode == "stopped"
     assert bench.states[-1].refused == {"stale": 40}
@@ -157,60 +149,34 @@ def test_other_keys_are_not_commands():
     assert bench.states[-1].refused == {}
 
 
-class BrokenRobot(PointRobot):
-    """Fails in one call once, or for good."""
-
-    def __init__(self, call, times):
-        super().__init__(SCENARIO.start, 0.1)
-        self.call, self.times, self.armed = call, times, False
-        self.velocities = []
-
-    def _fail(self, call):
-        if self.armed and call == self.call and self.times:
-            self.times -= 1
-            raise RuntimeError("gearbox")
-
-    def sample(self):
-        self._fail("sample")
-        return super().sample()
-
-    def step(self, velocity, dt):
-        self._fail("step")
-        self.velocities.append(velocity)
-        super().step(velocity, dt)
-
-    def arm_clearance(self, obstacles):
-        self._fail("arm_clearance")
-        return None
-
-
 @pytest.mark.parametrize("call", ["sample", "step", "arm_clearance"])
 @pytest.mark.parametrize("times", [1, 10**9])
 def test_any_exception_stops_the_robot_and_states_go_on(call, times):
-    robot = BrokenRobot(call, times)
+    robot = ScriptedRobot(SCENARIO.start)
     bench = Bench(robot=robot)
     bench.tick(2)
     bench.send(bench.command())
     bench.tick()
-    robot.armed = True
+    robot.fail(call, times)
     sent = len(bench.states)
     bench.tick()
-    robot.velocities.clear()
+    robot.told.clear()
     for _ in range(20):
         bench.send(bench.command())
         bench.tick()
     assert len(bench.states) == sent + 21
     assert bench.states[-1].mode == "stopped"
     assert bench.states[-1].reason == "fault: RuntimeError: gearbox"
-    assert set(robot.velocities) <= {(0.0, 0.0, 0.0)}
+    assert {velocity for velocity, _ in robot.told} <= {(0.0, 0.0, 0.0)}
+    assert bool(robot.told) == (call != "step" or times == 1)
     assert bench.states[-1].stops == 1
 
 
 def test_state_that_is_not_finite_is_a_fault():
-    robot = PointRobot(SCENARIO.start, 0.1)
+    robot = ScriptedRobot(SCENARIO.start)
     bench = Bench(robot=robot)
     bench.tick(2)
-    robot._velocity = (math.nan, 0.0, 0.0)
+    robot.show(velocity=(math.nan, 0.0, 0.0))
     bench.tick(2)
     assert bench.states[-1].reason.startswith("fault: ")
     assert bench.states[-1].velocity == (0.0, 0.0, 0.0)

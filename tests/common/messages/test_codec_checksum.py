@@ -8,22 +8,10 @@ from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import CodecError, Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.scene import Scene
-from farhand.common.messages.state import RobotState
+from farhand.testing import command, scene, state
 
-COMMAND = VelocityCommand(
-    source="operator",
-    session=3,
-    seq=9,
-    t_sent_ns=5,
-    echo=Echo(1, 2, 3, 4),
-    mode="run",
-    velocity=(0.1, 0.2, 0.3),
-)
-STATE = RobotState(
-    source="ur5", session=3, seq=9, t_sent_ns=5, t_sample_ns=5, position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0),
-    clearance=1.0, min_clearance=1.0,
-)  # fmt: skip
-SCENE = Scene(source="ur5", session=3, seq=9, t_sent_ns=5, t_sample_ns=5, robot_radius=0.1)
+COMMAND = command(9, velocity=(0.1, 0.2, 0.3), echo=Echo(1, 2, 3, 4))
+STATE, SCENE = state(9), scene(9)
 
 
 @pytest.mark.parametrize("message", [COMMAND, STATE, SCENE], ids=["fixmap", "map 16", "scene"])

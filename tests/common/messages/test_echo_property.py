@@ -5,17 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from farhand.common.link.link import Inbox, Packet
-from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.echo import Newest
 from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.common.timing.executor import Lateness, Periodic
-
-
-def command(seq, session=1):
-    return VelocityCommand(
-        source="o", session=session, seq=seq, t_sent_ns=10 * seq, mode="hold", velocity=(0.0, 0.0, 0.0)
-    )
+from farhand.testing import command
 
 
 @given(st.lists(st.integers(0, 50), min_size=1))
@@ -26,7 +20,7 @@ def test_the_echo_is_the_newest_by_seq_and_never_goes_back(seqs):
         accepted += seq > best
         best = max(best, seq)
         echo = newest.echo(now + 5)
-        assert (echo.seq, echo.t_sent_ns) == (best, 10 * best)
+        assert (echo.seq, echo.t_sent_ns) == (best, command(best).t_sent_ns)
         assert echo.hold_ns == now + 5 - newest.arrived_ns
     assert newest.received == accepted
 

@@ -9,19 +9,9 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.recorder import FORMAT, RunInfo, RunRecorder, read_run
 from farhand.laboratory.simulation import simulate
+from farhand.testing import report
 
-ZERO = (0.0, 0.0, 0.0)
 INFO = RunInfo(scenario={"name": "x"}, robot="r", session=3, seed=1, versions={"python": "3"})
-
-
-def report(tick):
-    return ControlReport(
-        source="operator", session=3, seq=tick, t_sent_ns=tick, tick=tick, mode="run", desired=ZERO, filtered=ZERO,
-        intervening=False, position=ZERO, predicted=ZERO, prediction_error=0.0, sigma=0.0, inflation=0.0, rtt=None,
-        rtt_mean=None, rtt_std=None, loss=0.0, age=0.0, state_age=0.0, status="idle", solve_time=0.0, clearance=None,
-        min_clearance=None, safety=None, target_index=0, target_count=0, refused_here=0, refused_there=0, stops=0,
-        state_rate=0.0, overruns=0,
-    )  # fmt: skip
 
 
 class InMemory:

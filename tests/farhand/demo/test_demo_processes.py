@@ -1,12 +1,8 @@
 """The demo with real processes over real Zenoh: how it ends, however it ends, nothing is left behind."""
 
 import json
-import queue
 import signal
 import statistics
-import subprocess
-import sys
-import threading
 
 import psutil
 import pytest
@@ -14,76 +10,36 @@ import pytest
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.recorder import read_run
-from farhand.common.timing.clock import SystemClock
 from farhand.laboratory.simulation import simulate
 from farhand.runs.scenario import load_scenario
+from farhand.testing import Program, short_task
 
 pytestmark = pytest.mark.realtime
-PATIENCE = 60.0
 ENDS_WITHIN = 2.0
 LOADED = 4.0  # what a loaded machine may add to it
-SCENARIO = """
-name = "short"
-start = [0.0, 0.0, 0.5]
-targets = [[0.7, 0.0, 0.5]]
+BALL = """
 [[obstacles]]
 id = "ball"
 position = [0.35, 0.0, 0.43]
 radius = 0.05
-[robot]
-kind = "point"
-radius = 0.05
-rate_hz = 100
-state_rate_hz = 50
-lag = 0.1
 """
 UPLINK, DOWNLINK, SEED = "gaussian:60,10", "constant:60", 5
 
 
-class Demo:
+class Demo(Program):
     """A running demo, its words as they come, and all its processes."""
 
     def __init__(self, folder):
         self.folder = folder / "run"
-        self.scenario = folder / "short.toml"
-        self.scenario.write_text(SCENARIO)
-        command = [sys.executable, "-m", "farhand", "demo", "--scenario", str(self.scenario), "--json"]
-        self.process = subprocess.Popen(
-            [
-                *command,
-                "--uplink",
-                UPLINK,
-                "--downlink",
-                DOWNLINK,
-                "--seed",
-                str(SEED),
-                "--out",
-                str(self.folder),
-            ],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        self.lines = queue.Queue()
-        self.said = []
-        self.clock = SystemClock()
-        self.reader = threading.Thread(target=self._read, daemon=True)
-        self.reader.start()
-
-    def _read(self):
-        for line in self.process.stderr:
-            self.lines.put(line)
-        self.lines.put(None)
+        self.scenario = short_task(folder, more=BALL)
+        networks = "--uplink", UPLINK, "--downlink", DOWNLINK
+        super().__init__(
+            "demo", "--scenario", self.scenario, "--json", *networks, "--seed", SEED, "--out", self.folder
+        )  # fmt: skip
 
     def wait_until_it_drives(self):
         """Until the live status says `run`; returns the three programs by name."""
-        while True:
-            line = self.lines.get(timeout=PATIENCE)
-            assert line is not None, f"the demo ended: {self.said}"
-            self.said.append(line)
-            if line.split()[-1:] == ["run"] or "filter intervening" in line:
-                break
+        self.wait_for_line(lambda line: line.split()[-1:] == ["run"] or "filter intervening" in line)
         children = {}
         for child in psutil.Process(self.process.pid).children(recursive=True):
             arguments = child.cmdline()
@@ -91,13 +47,10 @@ class Demo:
         assert set(children) == {"operator", "netem", "robot"}
         return children
 
-    def end(self, timeout=PATIENCE):
-        """Exit code, summary or None, and how long it took (s)."""
-        before = self.clock.now_ns()
-        code = self.process.wait(timeout)
-        took = (self.clock.now_ns() - before) * 1e-9
-        out = self.process.stdout.read()
-        return code, json.loads(out.splitlines()[-1]) if out.strip() else None, took
+    def end(self):
+        """Exit code, and the summary or None."""
+        code = self.wait()
+        return code, json.loads(self.output.splitlines()[-1]) if self.output.strip() else None
 
     def close(self):
         """Nothing that this test started stays, whatever went wrong."""
@@ -105,15 +58,10 @@ class Demo:
             processes = psutil.Process(self.process.pid).children(recursive=True)
         except psutil.NoSuchProcess:
             processes = []
-        if self.process.poll() is None:
-            self.process.kill()
+        super().close()
         for process in processes:
             if process.is_running():
                 process.kill()
-        self.process.wait(PATIENCE)
-        self.reader.join(PATIENCE)
-        self.process.stdout.close()
-        self.process.stderr.close()
 
 
 @pytest.fixture
@@ -133,7 +81,7 @@ def finished(tmp_path_factory):
     """One demo from beginning to end, for all that is asked of it."""
     started = Demo(tmp_path_factory.mktemp("demo"))
     children = started.wait_until_it_drives()
-    code, summary, _ = started.end()
+    code, summary = started.end()
     assert gone(children)
     yield started, code, summary
     started.close()
@@ -195,9 +143,9 @@ def quartiles(reports):
 
 def test_ctrl_c_ends_all_three(demo):
     children = demo.wait_until_it_drives()
-    demo.process.send_signal(signal.SIGINT)
+    demo.signal(signal.SIGINT)
     assert gone(children)
-    code, summary, _ = demo.end()
+    code, summary = demo.end()
     assert code == 1
     assert summary["why"] == "interrupted"
     assert not summary["finished"]
@@ -209,7 +157,7 @@ def test_the_death_of_one_ends_all_and_is_told(demo, victim):
     children = demo.wait_until_it_drives()
     children[victim].kill()
     assert gone(children)
-    code, summary, _ = demo.end()
+    code, summary = demo.end()
     assert code == 1
     assert summary["why"] == f"the {victim} program was killed by signal 9"
     assert not summary["finished"]
@@ -217,5 +165,5 @@ def test_the_death_of_one_ends_all_and_is_told(demo, victim):
 
 def test_the_death_of_the_demo_itself_leaves_nothing(demo):
     children = demo.wait_until_it_drives()
-    demo.process.kill()
+    demo.signal(signal.SIGKILL)
     assert gone(children)

@@ -2,8 +2,6 @@
 
 import json
 import signal
-import subprocess
-import sys
 
 import pytest
 
@@ -13,7 +11,6 @@ from farhand.common.link.ports import free_ports
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.recorder import RunInfo, RunRecorder
-from farhand.demo.live_status import ReportReader
 from farhand.laboratory.replay import replay
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity
@@ -22,21 +19,12 @@ from farhand.programs.wiring import make_operator, make_robot_node, versions
 from farhand.runs.scenario import load_scenario, replace_setting, scenario_to_table
 from farhand.site.handover import choose
 from farhand.site.operator_name import operator_name
-from tests.farhand.programs.test_programs_processes import PATIENCE, SCENARIO, Listener, Program
+from farhand.testing import ScriptedDevice, Witness, short_task, state
+from farhand.testing.programs import ask_farhand
 
 MS = 1_000_000
 STEP = 10 * MS
 FORWARD = (0.2, 0.0, 0.0)
-
-
-class Hand:
-    """A steering device: what a person at it does."""
-
-    def __init__(self):
-        self.wants = SteeringInput(FORWARD, engaged=True)
-
-    def read(self, view):
-        return self.wants
 
 
 class Bench:
@@ -55,7 +43,11 @@ class Bench:
         far, link = memory_wire()
         controller = make_controller(self.scenario.controller)
         node = make_operator(
-            self.scenario, link, OperatorIdentity("r", session, name), controller, device=Hand()
+            self.scenario,
+            link,
+            OperatorIdentity("r", session, name),
+            controller,
+            device=ScriptedDevice(FORWARD),
         )
         self.operators[session], self.links[session], self.due[session] = node, far, self.now
         return node
@@ -182,27 +174,24 @@ def test_a_robot_that_is_started_again_goes_to_its_holder_and_not_to_who_waits(b
 
 
 def test_to_whom_control_goes():
-    def state(*waiting, holder=7):
-        return RobotState(
-            source="r", session=9, seq=1, t_sent_ns=0, t_sample_ns=0, position=(0.0,) * 3, velocity=(0.0,) * 3,
-            clearance=1.0, min_clearance=1.0, holder=holder, holder_name="alice" if holder else "", waiting=waiting,
-        )  # fmt: skip
+    def seen(*waiting, holder=7):
+        return state(holder=holder, holder_name="alice" if holder else "", waiting=waiting)
 
     bob, eve = (8, "bob"), (9, "eve")
-    assert choose(state(bob), 7, "") == bob
-    assert choose(state(bob, eve), 7, "eve") == eve
-    for seen, me, to, line in (
+    assert choose(seen(bob), 7, "") == bob
+    assert choose(seen(bob, eve), 7, "eve") == eve
+    for shown, me, to, line in (
         (None, 7, "", "does not hold control; nobody does"),
-        (state(bob, holder=0), 7, "bob", "does not hold control; nobody does"),
-        (state(bob), 8, "bob", "does not hold control; alice does"),
-        (state(), 7, "", "nobody waits"),
-        (state(), 7, "bob", "nobody waits"),
-        (state(bob), 7, "eve", "--to 'eve': does not wait for control; waiting: bob"),
-        (state(bob, eve), 7, "", "2 wait for control: bob, eve; --to says which"),
-        (state(bob, (9, "bob")), 7, "bob", "give them different names"),
+        (seen(bob, holder=0), 7, "bob", "does not hold control; nobody does"),
+        (seen(bob), 8, "bob", "does not hold control; alice does"),
+        (seen(), 7, "", "nobody waits"),
+        (seen(), 7, "bob", "nobody waits"),
+        (seen(bob), 7, "eve", "--to 'eve': does not wait for control; waiting: bob"),
+        (seen(bob, eve), 7, "", "2 wait for control: bob, eve; --to says which"),
+        (seen(bob, (9, "bob")), 7, "bob", "give them different names"),
     ):
         with pytest.raises(InputError, match=line):
-            choose(seen, me, to)
+            choose(shown, me, to)
 
 
 def test_the_name_of_an_operator_is_printable(monkeypatch):
@@ -213,59 +202,46 @@ def test_the_name_of_an_operator_is_printable(monkeypatch):
 
 
 @pytest.mark.realtime
-def test_programs_hand_over_and_the_lease_of_a_killed_one_ends(tmp_path):
-    targets = [[0.7, 0.0, 0.5], [0.0, 0.0, 0.5]] * 60
-    path = tmp_path / "long.toml"
-    path.write_text(SCENARIO.replace("targets = [[0.7, 0.0, 0.5]]", f"targets = {targets}"))
+def test_programs_hand_over_and_the_lease_of_a_killed_one_ends(started, tmp_path):
+    path = short_task(tmp_path, targets=[(0.7, 0.0, 0.5), (0.0, 0.0, 0.5)] * 60)
     endpoint, *reports = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
-    programs, listener, reader = [], None, None
 
     def start(*words):
-        programs.append(Program(*words, "--scenario", path, "--robot", "r"))
-        return programs[-1]
+        return started(*words, "--scenario", path, "--robot", "r")
 
     def handover(report, *words):
-        command = [sys.executable, "-m", "farhand", "handover", "--robot", "r", "--connect", report, *words]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
-        return done.returncode, (done.stdout + done.stderr).strip()
+        return ask_farhand("handover", "--robot", "r", "--connect", report, *words)
 
+    start("robot", "--listen", endpoint)
+    alice = start("operator", "--connect", endpoint, "--report", reports[0], "--name", "alice")
+    witness = Witness(endpoint, reports=reports[1])
     try:
-        start("robot", "--listen", endpoint)
-        alice = start("operator", "--connect", endpoint, "--report", reports[0], "--name", "alice")
-        listener = Listener(endpoint)
-        reader = ReportReader(reports[1], "r", listener.clock)
-        listener.wait_until(lambda s: s.holder_name == "alice" and s.mode == "run")
+        witness.wait_until(lambda s: s.holder_name == "alice" and s.mode == "run")
         bob = start("operator", "--connect", endpoint, "--report", reports[1], "--name", "bob")
         line = bob.wait_for("alice holds control")
         assert line.endswith("waiting; it can hand over to you with `farhand handover --to bob --robot r`")
         assert alice.wait_for("bob asks for control").endswith(f"--connect {reports[0]}` hands over")
-        assert handover(reports[0], "--to", "eve") == (
-            2, "farhand: --to 'eve': does not wait for control; waiting: bob",
-        )  # fmt: skip
-        said = [report.stop_reason for report in reader.read()]
+        refused = "farhand: --to 'eve': does not wait for control; waiting: bob"
+        assert handover(reports[0], "--to", "eve") == (2, refused)
+        said = [report.stop_reason for report in witness.reports]
         assert any(reason.startswith("alice holds control; waiting") for reason in said)
 
         assert handover(reports[0]) == (0, "bob holds control of r")
         alice.wait_for("handed control over to bob")
         alice.wait_for("bob holds control; waiting")
-        listener.wait_until(lambda s: s.holder_name == "bob" and s.mode == "run")
-        state = listener.wait_until(lambda s: dict(s.waiting).values())
-        assert [name for _, name in state.waiting] == ["alice"]
+        witness.wait_until(lambda s: s.holder_name == "bob" and s.mode == "run")
+        waiting = witness.wait_until(lambda s: dict(s.waiting).values()).waiting
+        assert [name for _, name in waiting] == ["alice"]
         assert handover(reports[0]) == (2, "farhand: this operator does not hold control; bob does")
-        words = [sys.executable, "-m", "farhand", "robots", "--connect", endpoint, "--json"]
-        shown = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=True)
-        (row,) = json.loads(shown.stdout)["robots"]
-        assert (row["control"], row["waiting"]) == ("bob", "alice")
+        code, shown = ask_farhand("robots", "--connect", endpoint, "--json")
+        (row,) = json.loads(shown.splitlines()[-1])["robots"]
+        assert (code, row["control"], row["waiting"]) == (0, "bob", "alice")
 
-        bob.process.send_signal(signal.SIGKILL)
-        ended = listener.wait_until(lambda s: s.holder == 0)
+        bob.signal(signal.SIGKILL)
+        ended = witness.wait_until(lambda s: s.holder == 0)
         assert ended.lease_end == "silent"
-        listener.wait_until(lambda s: s.holder_name == "alice" and s.mode == "run")
+        witness.wait_until(lambda s: s.holder_name == "alice" and s.mode == "run")
         alice.wait_for("bob lost control without releasing it")
         alice.wait_for("driving")
     finally:
-        for end in (listener, reader):
-            if end is not None:
-                end.close()
-        for program in programs:
-            program.close()
+        witness.close()

@@ -1,10 +1,7 @@
 """`farhand robot` and `farhand operator` as processes, and what strangers on the wire may do to them."""
 
 import json
-import queue
 import signal
-import subprocess
-import sys
 import threading
 
 import msgpack
@@ -12,123 +9,32 @@ import numpy as np
 import pytest
 
 from farhand.common.link.link import Packet
-from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.base import SCHEMA, Echo
-from farhand.common.messages.codec import Decoder, encode
-from farhand.common.messages.command import VelocityCommand
-from farhand.common.messages.keys import command_key, scene_key, state_key
-from farhand.common.messages.scene import Scene
-from farhand.common.messages.state import RobotState
+from farhand.common.messages.codec import encode
+from farhand.common.messages.keys import command_key
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.site.tap import run_tap
+from farhand.testing import Witness, command, echo_of
+from farhand.testing.programs import PATIENCE
 
 pytestmark = pytest.mark.realtime
-PATIENCE = 60.0
-ENDS_WITHIN = 6.0  # 2 s are promised; a loaded machine may add to it
-SCENARIO = """
-name = "short"
-start = [0.0, 0.0, 0.5]
-targets = [[0.7, 0.0, 0.5]]
-[robot]
-kind = "point"
-radius = 0.05
-rate_hz = 100
-state_rate_hz = 50
-lag = 0.1
-"""
 MS = 1_000_000
 
 
-class Program:
-    """A program of Farhand and what it says."""
-
-    def __init__(self, *arguments):
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "farhand", *map(str, arguments)],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        self.lines, self.said = queue.Queue(), []
-        self.reader = threading.Thread(target=self._read, daemon=True)
-        self.reader.start()
-
-    def _read(self):
-        for line in self.process.stderr:
-            self.lines.put(line.strip())
-        self.lines.put(None)
-
-    def wait_for(self, text):
-        while True:
-            line = self.lines.get(timeout=PATIENCE)
-            assert line is not None, f"it ended: {self.said}"
-            self.said.append(line)
-            if text in line:
-                return line
-
-    def interrupt(self):
-        self.process.send_signal(signal.SIGINT)
-        return self.process.wait(ENDS_WITHIN)
-
-    def close(self):
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.wait(PATIENCE)
-        self.reader.join(PATIENCE)
-        self.process.stderr.close()
-
-
-class Listener:
-    """A Zenoh client of the test that reads what the robot says."""
-
-    def __init__(self, endpoint):
-        self.clock = SystemClock()
-        self.arrived = threading.Semaphore(0)
-        self.session = open_session([endpoint])
-        keys = [state_key("r"), scene_key("r")]
-        self.link = ZenohLink(self.session, keys, self.clock, self.arrived.release)
-        self.states, self.scenes = Decoder(RobotState), Decoder(Scene)
-        self.scene = None
-        self.seen = []
-
-    def wait_until(self, condition, patience=PATIENCE):
-        """The first state from now on for which the condition holds; all states are kept in `seen`."""
-        self.link.receive()
-        deadline = self.clock.now_ns() + int(patience * 1e9)
-        while self.clock.now_ns() < deadline:
-            assert self.arrived.acquire(timeout=patience), "the robot is silent"
-            for packet in self.link.receive():
-                if packet.key == scene_key("r"):
-                    self.scene = self.scenes.decode_or_raise(packet.payload)
-                    continue
-                state = self.states.decode_or_raise(packet.payload)
-                self.seen.append(state)
-                if condition(state):
-                    return state
-        raise AssertionError(f"it never happened; last {self.seen[-1:]}")
-
-    def close(self):
-        self.link.close()
-
-
-class Client(Listener):
+class Client(Witness):
     """One that sends commands, too, as an operator would."""
 
     def __init__(self, endpoint, session):
         super().__init__(endpoint)
-        self.me, self.seq = session, 0
+        self.me, self.seq, self.clock = session, 0, SystemClock()
 
     def command(self, mode="run", velocity=(0.1, 0.0, 0.0), state=None, **changes):
         self.seq += 1
         state = state or self.wait_until(lambda s: True)
-        fields = {
-            "source": "client", "session": self.me, "seq": self.seq, "t_sent_ns": self.clock.now_ns(),
-            "echo": Echo(state.session, state.seq, state.t_sent_ns, 0), "mode": mode, "velocity": velocity,
-        } | changes  # fmt: skip
-        return VelocityCommand(**fields)
+        fields = {"session": self.me, "t_sent_ns": self.clock.now_ns(), "echo": echo_of(state)} | changes
+        return command(fields.pop("seq", self.seq), mode, source="client", velocity=velocity, **fields)
 
     def put(self, payload):
         self.session.put(command_key("r"), payload)
@@ -149,31 +55,6 @@ class Client(Listener):
         return self.wait_until(lambda s: s.holder == 0 and max(map(abs, s.velocity)) < 1e-9)
 
 
-@pytest.fixture
-def started(tmp_path):
-    programs = []
-
-    def start(*arguments):
-        programs.append(Program(*arguments))
-        return programs[-1]
-
-    yield start
-    for program in programs:
-        program.close()
-
-
-@pytest.fixture
-def scenario(tmp_path):
-    path = tmp_path / "short.toml"
-    path.write_text(SCENARIO)
-    return path
-
-
-@pytest.fixture
-def endpoint():
-    return f"tcp/127.0.0.1:{free_ports(1)[0]}"
-
-
 def test_a_silent_operator_makes_the_robot_hold_then_stop_and_it_goes_on_after(
     started, scenario, endpoint, tmp_path
 ):
@@ -182,22 +63,22 @@ def test_a_silent_operator_makes_the_robot_hold_then_stop_and_it_goes_on_after(
         "robot", "--scenario", scenario, "--robot", "r", "--listen", endpoint, "--result", tmp_path / "r.json"
     )
     operator = started("operator", "--scenario", scenario, "--robot", "r", "--connect", endpoint)
-    listener = Listener(endpoint)
+    listener = Witness(endpoint)
     try:
         listener.wait_until(lambda s: s.mode == "run" and s.velocity[0] > 0.1)
-        operator.process.send_signal(signal.SIGSTOP)
-        listener.seen.clear()
+        operator.signal(signal.SIGSTOP)
+        listener.forget()
         stopped = listener.wait_until(lambda s: s.mode == "stopped" and max(map(abs, s.velocity)) < 1e-6)
-        modes = [s.mode for s in listener.seen]
+        modes = [s.mode for s in listener.states]
         order = [m for m, before in zip(modes, [None, *modes], strict=False) if m != before]
         assert order[-2:] == ["hold", "stopped"]
         assert set(order) <= {"run", "hold", "stopped"}
         assert "no good command" in stopped.reason
         assert stopped.stops == 1
-        operator.process.send_signal(signal.SIGCONT)
+        operator.signal(signal.SIGCONT)
         moving = listener.wait_until(lambda s: s.mode == "run")
         assert moving.position == pytest.approx(stopped.position, abs=0.05)
-        assert operator.process.wait(PATIENCE) == 0
+        assert operator.wait() == 0
         released = listener.wait_until(lambda s: s.holder == 0)
         assert released.position == pytest.approx((0.7, 0.0, 0.5), abs=0.03)
     finally:
@@ -216,7 +97,7 @@ def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):
         client.wait_until(lambda s: True)
         client.take_control()
         good = client.drive((0.1, 0.0, 0.0))
-        old = client.seen[-1]
+        old = client.states[-1]
         rest = client.release()
         assert rest.position[0] > 0.0
         before = rest.refused
@@ -240,7 +121,7 @@ def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):
         }  # fmt: skip
         attacks["type"].append(attacks["checksum"].pop(0))  # an unknown mode is found before the checksum
         noise = [rng.bytes(int(n)) for n in rng.integers(1, 400, 200)]
-        client.seen.clear()
+        client.forget()
         for payload in [*noise, *(p for kind in attacks.values() for p in kind)]:
             client.put(payload)
         sent = len(noise) + sum(map(len, attacks.values()))
@@ -253,9 +134,9 @@ def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):
         flooded = after.refused.get("flood", 0)
         for reason, payloads in attacks.items():
             assert after.refused.get(reason, 0) - before.get(reason, 0) >= len(payloads) - flooded, reason
-        assert all(s.position == pytest.approx(rest.position, abs=1e-6) for s in client.seen)
-        assert {s.mode for s in client.seen} == {"hold"}
-        assert {s.holder for s in client.seen} == {0}
+        assert all(s.position == pytest.approx(rest.position, abs=1e-6) for s in client.states)
+        assert {s.mode for s in client.states} == {"hold"}
+        assert {s.holder for s in client.states} == {0}
 
         # The robot goes on, and obeys who may.
         client.me, client.seq = 78, 0

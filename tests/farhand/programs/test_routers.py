@@ -15,10 +15,8 @@ from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.site.doctor.doctor import examine
 from farhand.site.robots import list_robots
-from tests.farhand.programs.test_programs_processes import SCENARIO, Program
 
 pytestmark = pytest.mark.realtime
-PATIENCE = 60.0
 
 
 @pytest.fixture
@@ -32,19 +30,6 @@ def certificates(tmp_path):
         issue(folder, "robot", robot)
         issue(folder, "operator", operator, [robot])
     return folder
-
-
-@pytest.fixture
-def started():
-    programs = []
-
-    def start(*arguments):
-        programs.append(Program(*arguments))
-        return programs[-1]
-
-    yield start
-    for program in programs:
-        program.close()
 
 
 @pytest.fixture
@@ -76,12 +61,10 @@ def test_the_printed_configuration_is_one_of_zenoh(certificates, capsys):
 
 
 def test_tasks_through_routers_and_an_emulator_between_two_of_them(
-    started, certificates, routers, tmp_path, capsys
+    started, scenario, certificates, routers, tmp_path, capsys
 ):
     """bob -> hub -> box, and alice -> hub -> emulator -> far -> ur5; both drive their task to its end."""
     hub, far = routers
-    scenario = tmp_path / "short.toml"
-    scenario.write_text(SCENARIO)
 
     def member(name):
         return "--tls", certificates / name
@@ -100,7 +83,7 @@ def test_tasks_through_routers_and_an_emulator_between_two_of_them(
         program("operator", "operator.bob", "box", hub),
         program("operator", "operator.alice", "ur5", hub, "--result", result),
     ]
-    assert [each.process.wait(PATIENCE) for each in operators] == [0, 0]
+    assert [each.wait() for each in operators] == [0, 0]
     assert json.loads(result.read_text())["rtt_mean"] > 0.08
 
     tls = str(certificates / "operator.alice")
@@ -121,5 +104,5 @@ def test_tasks_through_routers_and_an_emulator_between_two_of_them(
         for f in examine(hub, "ur5", tls, load_scenario(str(scenario)), 1)
     )
     for each in (*robots, netem):
-        each.process.send_signal(signal.SIGINT)
-    assert [each.process.wait(PATIENCE) for each in (*robots, netem)] == [0, 0, 0]
+        each.signal(signal.SIGINT)
+    assert [each.wait() for each in (*robots, netem)] == [0, 0, 0]

@@ -2,13 +2,11 @@
 
 import math
 from itertools import pairwise
-from types import SimpleNamespace
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from farhand.common.messages.state import RobotState
 from farhand.operator_side.prediction.command_history import KEPT, CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
 from farhand.operator_side.prediction.law import Known
@@ -16,6 +14,7 @@ from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario
+from farhand.testing import state
 
 ME, PERIOD, LAG = 7, 0.1, 0.08
 P_NS = 100_000_000
@@ -58,12 +57,13 @@ class World:
     def state(self, t, v=(0.2, -0.1, 0.05)):
         """What the robot reports at `t`: x such that x + LAG v = z."""
         s, held = self.playing(t)
-        return RobotState(
-            source="r", session=9, seq=1, t_sent_ns=0, t_sample_ns=0,
-            position=tuple(z - LAG * w for z, w in zip(self.z(t), v, strict=True)), velocity=v,
-            clearance=1.0, min_clearance=1.0, applied_session=0 if s is None else ME, applied_seq=s or 0,
+        return state(
+            position=tuple(z - LAG * w for z, w in zip(self.z(t), v, strict=True)),
+            velocity=v,
+            applied_session=0 if s is None else ME,
+            applied_seq=s or 0,
             applied_for_ns=round(held * 1e9),
-        )  # fmt: skip
+        )
 
     def predict(self, law, sampled, seq, rtt_mean=0.0, v=(0.2, -0.1, 0.05)):
         predictor = PREDICTORS.get(law)(Known(self.history, ME, PERIOD, LAG))
@@ -201,13 +201,8 @@ def innovation_rig():
 
 
 def seen(seq, x, held=0.0, session=ME):
-    return SimpleNamespace(
-        position=(x, 0.0, 0.0),
-        velocity=ZERO,
-        applied_session=session,
-        applied_seq=seq,
-        applied_for_ns=round(held * 1e9),
-    )
+    held_ns = round(held * 1e9)
+    return state(position=(x, 0.0, 0.0), applied_session=session, applied_seq=seq, applied_for_ns=held_ns)
 
 
 def test_an_innovation_is_where_a_command_began_less_where_it_was_predicted_to():

@@ -10,18 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from farhand.common.link.link import Packet, memory_wire
-from farhand.common.messages.base import Echo
-from farhand.common.messages.codec import Decoder, encode
-from farhand.common.messages.command import VelocityCommand
-from farhand.common.messages.keys import command_key, state_key
-from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import SystemClock
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.pybullet_box import SIZE, BoxRobot
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario
+from farhand.testing import ScriptedLink, command, echo_of
 
 ROOT = Path(__file__).parents[3]
 DT = 0.002
@@ -130,45 +125,24 @@ def test_every_kind_is_made_moves_and_closes(name):
     robot.close()
 
 
-class _CommandingLink:
-    """Answers the first state with a run command, and sets the event after the tenth."""
-
-    def __init__(self, inner, stop):
-        self._inner, self._stop = inner, stop
-        self._decoder = Decoder(RobotState)
-        self.states = []
-
-    def receive(self):
-        return self._inner.receive()
-
-    def send(self, packet):
-        if packet.key != state_key("r1"):
-            return
-        state = self._decoder.decode_or_raise(packet.payload)
-        self.states.append(state)
-        command = VelocityCommand(
-            source="op",
-            session=3,
-            seq=state.seq,
-            t_sent_ns=1,
-            echo=Echo(state.session, state.seq, state.t_sent_ns, 0),
-            mode="run",
-            velocity=(0.1, 0.0, 0.0),
-        )
-        self._inner.deliver(Packet(command_key("r1"), encode(command)), state.t_sent_ns)
-        if len(self.states) == 10:
-            self._stop.set()
-
-
 def test_program_runs_until_told_and_writes_its_summary(tmp_path):
-    stop = threading.Event()
-    link = _CommandingLink(memory_wire()[0], stop)
+    """Its first states are answered with run commands, and after the tenth it is told to end."""
+    stop, states = threading.Event(), []
+
+    def answer(packet):
+        states.extend(link.take("state"))
+        link.feed(command(states[-1].seq, echo=echo_of(states[-1])), at_ns=0)
+        if len(states) == 10:
+            stop.set()
+
+    link = ScriptedLink("r1", on_send=answer)
     file = tmp_path / "robot.json"
-    scenario = load_scenario("point-obstacle")
-    summary = run_robot(scenario, "r1", link, SystemClock(), stop, file, realtime=False)
-    assert len(link.states) == 10
-    assert link.states[-1].mode == "run"
+    summary = run_robot(
+        load_scenario("point-obstacle"), "r1", link, SystemClock(), stop, file, realtime=False
+    )
+    assert len(states) == 10
+    assert states[-1].mode == "run"
     written = json.loads(file.read_text())
     assert written["mode"] == summary["mode"] == "run"
     assert len(written["trajectory"]) == written["ticks"] == 10
-    assert link.states[0].session != 0
+    assert states[0].session != 0

@@ -5,10 +5,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from farhand.common.messages.base import Echo
-from farhand.common.messages.command import VelocityCommand
 from farhand.robot_side.safety.plan import ZERO
 from farhand.robot_side.safety.watchdog import Watchdog
 from farhand.robot_side.settings import SafetySettings
+from farhand.testing import messages
 
 ROBOT = 1234
 MS = 1_000_000
@@ -31,24 +31,14 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.holder, self.heard, self.since = 0, 0, 0
         self.asked = {}
 
-    def command(
-        self, session, mode, *, age_ms=50, seq=None, velocity=(0.1, 0.0, 0.0), plan=(), echo=True, successor=0
-    ):
+    def command(self, session, mode, *, age_ms=50, seq=None, velocity=(0.1, 0.0, 0.0), echo=True, **fields):
+        """The session's next command, built on a state that is `age_ms` old."""
         if seq is None:
             self.seqs[session] += 1
             seq = self.seqs[session]
-        stamp = Echo(ROBOT, 1, self.now - age_ms * MS, 0) if echo else None
-        return VelocityCommand(
-            source=f"operator.{session}",
-            successor=successor,
-            session=session,
-            seq=seq,
-            t_sent_ns=1,
-            echo=stamp,
-            mode=mode,
-            velocity=velocity,
-            plan=plan,
-        )
+        basis = Echo(ROBOT, 1, self.now - age_ms * MS, 0) if echo else None
+        given = fields | {"session": session, "source": f"operator.{session}"}
+        return messages.command(seq, mode, velocity=velocity, echo=basis, **given)
 
     def give(self, command):
         before = (self.watchdog.mode, self.watchdog.velocity(self.now), self.watchdog.refused.total())

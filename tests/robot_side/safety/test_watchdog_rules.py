@@ -3,10 +3,10 @@
 import pytest
 
 from farhand.common.messages.base import Echo
-from farhand.common.messages.command import VelocityCommand
 from farhand.robot_side.safety.plan import ZERO, PlanPlayer
 from farhand.robot_side.safety.watchdog import Watchdog
 from farhand.robot_side.settings import SafetySettings
+from farhand.testing import messages
 
 ROBOT = 1234
 MS = 1_000_000
@@ -14,30 +14,10 @@ START = 5_000 * MS
 V = (0.1, 0.0, 0.0)
 
 
-def command(
-    seq,
-    mode="run",
-    *,
-    now=START,
-    age_ms=20,
-    session=7,
-    velocity=V,
-    plan=(),
-    echo=True,
-    source="op",
-    successor=0,
-):
-    return VelocityCommand(
-        source=source,
-        session=session,
-        seq=seq,
-        t_sent_ns=1,
-        successor=successor,
-        mode=mode,
-        velocity=velocity,
-        plan=plan,
-        echo=Echo(ROBOT, 0, now - age_ms * MS, 0) if echo else None,
-    )
+def command(seq, mode="run", *, now=START, age_ms=20, echo=True, velocity=V, **fields):
+    """A command that was built on a state sent `age_ms` before `now`."""
+    basis = Echo(ROBOT, 0, now - age_ms * MS, 0) if echo else None
+    return messages.command(seq, mode, velocity=velocity, echo=basis, **fields)
 
 
 @pytest.fixture
@@ -124,13 +104,11 @@ def test_refusal_is_counted_and_moves_nothing(watchdog, bad, reason):
 
 
 def test_echo_of_an_earlier_robot_session_is_refused(watchdog):
-    stranger = command(1)
-    echo = Echo(ROBOT - 1, 0, START, 0)
-    bad = VelocityCommand(source="op", session=7, seq=1, t_sent_ns=1, mode="run", velocity=V, echo=echo)
+    bad = messages.command(1, echo=Echo(ROBOT - 1, 0, START, 0))
     assert not watchdog.receive(bad, START)
     assert watchdog.refused == {"foreign-echo": 1}
     assert watchdog.lease.holder == 0
-    assert watchdog.receive(stranger, START)
+    assert watchdog.receive(command(1), START)
 
 
 def test_estop_latches_from_anyone_and_only_the_holder_leads_out(watchdog):
@@ -152,7 +130,7 @@ def test_handover_is_explicit_and_old_commands_stay_dead(watchdog):
     assert watchdog.reason == "control was released"
     assert not watchdog.receive(command(2, "acknowledge", session=8), START)  # it cannot have known
     assert watchdog.receive(command(3, "acknowledge", session=8, age_ms=0), START)
-    assert (watchdog.lease.holder, watchdog.lease.holder_name) == (8, "op")
+    assert (watchdog.lease.holder, watchdog.lease.holder_name) == (8, "operator")
     watchdog.receive(command(4, "release", session=8), START)
     assert not watchdog.receive(command(1), START)  # a replay of what session 7 once sent
     assert watchdog.refused["old-seq"] == 1

@@ -1,96 +1,47 @@
 """A campaign on a real Dask scheduler with two workers, one of them killed mid-way: nothing lost, nothing twice."""
 
-import os
 import re
-import signal
-import socket
-import subprocess
-import sys
-import threading
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
 from farhand.cli import run as run_cli
+from farhand.common.link.ports import free_ports
 from farhand.laboratory.campaigns.campaign import run_campaign
 from farhand.laboratory.campaigns.pools import DaskPool, LocalPool
 from farhand.laboratory.campaigns.store import ROWS, Store
 from farhand.laboratory.campaigns.table1 import Table1
+from farhand.testing import Program
 
 ROOT = Path(__file__).resolve().parents[4]
 pytest.importorskip("distributed")
 
 
-class Program:
-    """A Dask program of its own; `line` waits for what it says."""
+ADDRESS = re.compile(r"tcp://127\.0\.0\.1:\d+")
 
-    def __init__(self, *arguments: str) -> None:
-        command = [sys.executable, "-m", "distributed.cli." + arguments[0], *arguments[1:]]
-        environment = dict(os.environ, PYTHONPATH=str(ROOT), PYTHONWARNINGS="ignore")
-        self.process = subprocess.Popen(
-            command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, env=environment, cwd=ROOT
-        )
-        self._seen: list[str] = []
-        self._found = threading.Condition()
-        self._ended = False
-        threading.Thread(target=self._read, daemon=True).start()
 
-    def line(self, pattern: str, timeout: float = 60.0) -> str:
-        def match() -> str:
-            return next((found[0] for line in self._seen if (found := re.search(pattern, line))), "")
-
-        with self._found:
-            self._found.wait_for(lambda: match() or self._ended, timeout)
-            assert match(), f"{pattern!r} never came: {self._seen}"
-            return match()
-
-    def end(self, how: int = signal.SIGTERM) -> None:
-        self.process.send_signal(how)
-        self.process.wait(30)
-
-    def _read(self) -> None:
-        assert self.process.stderr is not None
-        for line in self.process.stderr:
-            with self._found:
-                self._seen.append(line)
-                self._found.notify_all()
-        with self._found:
-            self._ended = True
-            self._found.notify_all()
-        self.process.stderr.close()
+def dask(kind: str, *arguments: str) -> Program:
+    """A program of Dask's."""
+    environment = {"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "ignore"}
+    return Program(*arguments, module=f"distributed.cli.dask_{kind}", environment=environment)
 
 
 @pytest.fixture
 def cluster() -> Iterator[tuple[str, list[Program]]]:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1] % 20000 + 10000
-    scheduler = Program("dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
-    programs = [scheduler]
-    try:
-        address = scheduler.line(r"tcp://127\.0\.0\.1:\d+")
-        workers = [
-            Program(
-                "dask_worker",
-                address,
-                "--nthreads",
-                "1",
-                "--no-nanny",
-                "--no-dashboard",
-                "--host",
-                "127.0.0.1",
-            )
-            for _ in range(2)
-        ]
-        programs += workers
+    host = ("--host", "127.0.0.1", "--no-dashboard")
+    with ExitStack() as stack:
+        port = str(free_ports(1)[0])
+        scheduler = stack.enter_context(dask("scheduler", *host, "--port", port))
+        said = scheduler.wait_for_line(lambda line: ADDRESS.search(line) is not None)
+        found = ADDRESS.search(said)
+        assert found is not None
+        limits = ("--nthreads", "1", "--no-nanny")
+        workers = [stack.enter_context(dask("worker", found[0], *limits, *host)) for _ in range(2)]
         for worker in workers:
-            worker.line("Registered to")
-        yield address, workers
-    finally:
-        for program in reversed(programs):
-            if program.process.poll() is None:
-                program.end(signal.SIGKILL)
+            worker.wait_for("Registered to")
+        yield found[0], workers
 
 
 @pytest.mark.realtime
@@ -104,11 +55,11 @@ def test_a_killed_worker_costs_no_row_and_doubles_none(cluster, tmp_path):
     def kill_one_midway(row) -> None:
         seen.append(row.key)
         if len(seen) == 4:
-            workers[0].end(signal.SIGKILL)
+            workers[0].close()
 
     rows = run_campaign(jobs, store, DaskPool(address), kill_one_midway, chunk=1)
     store.close()
-    assert workers[0].process.poll() is not None
+    assert not workers[0].alive
     assert [row.key for row in rows] == [job.key for job in jobs]
     assert [row.error for row in rows] == [""] * len(jobs)
     assert sorted(seen) == sorted(job.key for job in jobs)

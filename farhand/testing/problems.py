@@ -1,0 +1,40 @@
+"""A controller's problem with sensible defaults."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from farhand.operator_side.control.controller import ControlProblem
+
+
+def problem(
+    position: Sequence[float] = (0.0, 0.0, 0.0),
+    desired: Sequence[float] = (0.25, 0.0, 0.0),
+    centres: Sequence[Sequence[float]] = (),
+    radii: Sequence[float] = (),
+    velocities: Sequence[Sequence[float]] | None = None,
+    sigma: float | Sequence[float] = 0.0,
+) -> ControlProblem:
+    """One tick's problem, in arrays of its own.
+
+    Args:
+        position: start (m).
+        desired: velocity (m/s).
+        centres: n of three (m).
+        radii: n, all that must be kept clear included (m).
+        velocities: n of three (m/s); None: nothing moves.
+        sigma: the paper's margin, one for all or n (m^2).
+
+    Raises:
+        ValueError: there are not as many centres as radii.
+    """
+    n = len(radii)
+    moving = np.zeros((n, 3)) if velocities is None else np.array(velocities, dtype=float)
+    return ControlProblem(
+        position=np.array(position, dtype=float),
+        desired=np.array(desired, dtype=float),
+        centres=np.array(centres, dtype=float).reshape(n, 3),
+        radii=np.array(radii, dtype=float),
+        velocities=moving.reshape(n, 3),
+        sigmas=np.full(n, sigma, dtype=float),
+    )
