@@ -3,7 +3,7 @@
     SPEC   := "none" | ITEM (space ITEM)*
     ITEM   := WORD | CLASS "[" SPEC "]"
     WORD   := a profile's name | NAME [":" parameters]        (registry.py lists the names)
-    CLASS  := command | state | scene | camera | other
+    CLASS  := command | state | scene | description | camera | other
 
 Delays and times are in ms unless a unit follows (us, ms, s, min); probabilities are 5% or 0.05; rates and
 sizes carry their unit (2mbit, 64kB). The order of the words does not matter: the chain's order is that of
@@ -20,7 +20,7 @@ from farhand.netem.impairments.profile import ModelWord, ProfileWord, profile_na
 from farhand.netem.impairments.registry import KINDS, WORDS
 from farhand.netem.words.reader import MAX_TEXT, Reader
 
-CLASSES = ("command", "state", "scene", "camera", "other")
+CLASSES = ("command", "state", "scene", "description", "camera", "other")
 
 
 class Spec(msgspec.Struct, frozen=True):

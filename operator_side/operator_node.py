@@ -1,6 +1,6 @@
 """The operator's side, once a tick:
 
-link -> perception (newest state, scene) -> round trip, innovations
+link -> perception (newest state, scene, description) -> round trip, innovations
      -> targets reached -> steering device (desired velocity) -> supervision (mode)
      -> state predictor (where the robot will be) -> margin -> safety filter (MPC-CBF)
      -> velocity command with its plan -> link,  and a report of it all.
@@ -15,9 +15,9 @@ from farhand.common.link.link import Link, Packet
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.codec import encode
 from farhand.common.messages.command import CommandMode, VelocityCommand
+from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import command_key
 from farhand.common.messages.report import ControlReport
-from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.executor import Periodic
@@ -27,13 +27,13 @@ from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.command_history import ZERO, CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
-from farhand.operator_side.prediction.law import Known, Prediction
+from farhand.operator_side.prediction.law import Known, Prediction, StatePredictor
 from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.operator_side.reporting import ReportWriter, Tick
 from farhand.operator_side.round_trip import RoundTrip
-from farhand.operator_side.safety_filter import Filtered, SafetyFilter
+from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
 from farhand.operator_side.settings import OperatorScenario
-from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
+from farhand.operator_side.steering.device import SteeringDevice, View
 from farhand.operator_side.steering.targets import Targets
 from farhand.operator_side.supervision import Supervision
 
@@ -63,6 +63,23 @@ class OperatorIdentity:
     name: str = "operator"
 
 
+@dataclass(frozen=True, slots=True)
+class _Mind:
+    """What depends on the robot.
+
+    Attributes:
+        robot: as it describes itself.
+        innovations: errors of the predictions so far.
+        predictor: where it will be.
+        filter: what it may do.
+    """
+
+    robot: RobotDescription
+    innovations: Innovations
+    predictor: StatePredictor
+    filter: SafetyFilter
+
+
 class OperatorNode:
     """See the module's docstring.
 
@@ -72,7 +89,6 @@ class OperatorNode:
         device: what steers.
         link: to the robot.
         who: steers which robot.
-        lag: of the robot's velocity response (s).
         stopwatch: reads seconds, to report how long a solve took; None reports 0 (virtual time).
     """
 
@@ -83,7 +99,6 @@ class OperatorNode:
         device: SteeringDevice,
         link: Link,
         who: OperatorIdentity,
-        lag: float,
         stopwatch: Callable[[], float] | None = None,
     ) -> None:
         self.scenario, self.device, self.who, self.session = scenario, device, who, who.session
@@ -97,11 +112,10 @@ class OperatorNode:
         self.round_trip = RoundTrip(who.session, scenario.margin.rtt_window)
         self._history = CommandHistory()
         self._margin = make_margin(scenario.margin)
-        known = Known(self._history, who.session, self._period, lag)
-        self._innovations = Innovations(known, scenario.margin.innovation_window)
+        self._controller = controller
         predictor = scenario.operator.predictor or self._margin.predictor
-        self._predictor = PREDICTORS.get(predictor, "operator.predictor")(known)
-        self._filter = SafetyFilter(scenario.controller, controller, lag)
+        self._prediction_law = PREDICTORS.get(predictor, "operator.predictor")
+        self._mind: _Mind | None = None
         self._targets = Targets(scenario.operator.tolerance)
         self._supervision = Supervision(who.session, who.name)
         self._writer = ReportWriter(who.name, who.session, self._perception, self.round_trip)
@@ -117,6 +131,11 @@ class OperatorNode:
     def state(self) -> RobotState | None:
         """The robot's newest state."""
         return self._perception.state
+
+    @property
+    def robot(self) -> RobotDescription | None:
+        """What the robot says it is; None before it has."""
+        return self._perception.description
 
     @property
     def successor(self) -> int:
@@ -155,18 +174,20 @@ class OperatorNode:
         for packet in packets:
             self._take(packet)
         state, scene = self._perception.state, self._perception.scene
+        mind = self._know_the_robot()
         steering = None
-        if state is not None and scene is not None:
+        if state is not None and scene is not None and mind is not None:
             self._targets.update(state, scene)
             steering = self.device.read(View(state, scene, self._targets, now_ns))
-        decision = self._supervision.step(state, scene, steering, now_ns)
+        decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
         mode, reason = decision.mode, decision.reason
         prediction, margin, filtered, solve_time = Prediction(ZERO), Margin(), None, 0.0
-        if state is not None and scene is not None and steering is not None:
-            prediction, margin = self._look_ahead(state, now_ns)
+        if state is not None and scene is not None and steering is not None and mind is not None:
+            prediction, margin = self._look_ahead(mind, state, now_ns)
             if mode == "run":
                 started = self._stopwatch() if self._stopwatch else 0.0
-                filtered, why = self._decide_plan(steering, prediction, margin, state, scene, now_ns)
+                ahead = Ahead(steering.velocity, prediction, margin, state, scene)
+                filtered, why = self._decide_plan(mind, ahead, now_ns)
                 solve_time = self._stopwatch() - started if self._stopwatch else 0.0
                 reason = why or reason
                 if self.driving_since_ns is None:
@@ -188,7 +209,7 @@ class OperatorNode:
                 desired=desired,
                 velocity=velocities[0],
                 prediction=prediction,
-                prediction_error=self._innovations.newest,
+                prediction_error=mind.innovations.newest if mind is not None else 0.0,
                 margin=margin,
                 filtered=filtered,
                 solve_time=solve_time,
@@ -203,37 +224,44 @@ class OperatorNode:
         state = self._perception.take(packet)
         if state is not None:
             self.round_trip.received(state, packet.arrived_ns)
-            if state is self._perception.state:
-                self._innovations.observe(state)
+            if state is self._perception.state and self._mind is not None:
+                self._mind.innovations.observe(state)
 
-    def _look_ahead(self, state: RobotState, now_ns: int) -> tuple[Prediction, Margin]:
-        prediction = self._predictor.predict(state, self._seq, now_ns, self.round_trip.mean)
+    def _know_the_robot(self) -> "_Mind | None":
+        """What the newest description makes of prediction and filter; None before the first one."""
+        robot, mind = self._perception.description, self._mind
+        if robot is None:
+            return None
+        if mind is None or not (robot is mind.robot or robot.same_robot(mind.robot)):
+            known = Known(self._history, self.session, self._period, robot.lag)
+            self._mind = mind = _Mind(
+                robot,
+                Innovations(known, self.scenario.margin.innovation_window),
+                self._prediction_law(known),
+                SafetyFilter(self.scenario.controller, self._controller, robot),
+            )
+        return mind
+
+    def _look_ahead(self, mind: "_Mind", state: RobotState, now_ns: int) -> tuple[Prediction, Margin]:
+        prediction = mind.predictor.predict(state, self._seq, now_ns, self.round_trip.mean)
         margin = self._margin.evaluate(
             MarginInput(
                 speed=norm(state.velocity),
                 rtt_mean=self.round_trip.mean,
                 rtt_std=self.round_trip.std,
-                innovation=self._innovations.largest,
+                innovation=mind.innovations.largest,
                 spread=prediction.spread,
             )
         )
         return prediction, margin
 
-    def _decide_plan(
-        self,
-        steering: SteeringInput,
-        prediction: Prediction,
-        margin: Margin,
-        state: RobotState,
-        scene: Scene,
-        now_ns: int,
-    ) -> tuple[Filtered | None, str]:
+    def _decide_plan(self, mind: "_Mind", ahead: Ahead, now_ns: int) -> tuple[Filtered | None, str]:
         """The filtered plan, or None and why the robot shall stand."""
         if self._margin.resyncs and self.round_trip.age(now_ns) > self.scenario.operator.resync_after:
             # Rule 3: after silence nothing is known of what the robot did; stand until it answers.
-            self._filter.stand_still()
+            mind.filter.stand_still()
             return None, STALE_STATE
-        filtered = self._filter.filter(steering.velocity, prediction, margin, state, scene)
+        filtered = mind.filter.filter(ahead)
         return filtered, filtered.reason
 
     def _velocities(self, filtered: Filtered | None) -> tuple[Vector3, ...]:
@@ -241,7 +269,7 @@ class OperatorNode:
         n = self.scenario.controller.horizon
         if filtered is None:
             return (ZERO,) * n
-        if self._predictor.knows_plan:
+        if self._prediction_law.knows_plan:
             return tuple((float(v[0]), float(v[1]), float(v[2])) for v in filtered.plan.tolist())
         return (to_vector3(filtered.plan[0]),) * n
 

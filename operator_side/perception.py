@@ -1,11 +1,12 @@
-"""What the operator's side knows of the robot: newest state and scene, and what was refused."""
+"""What the operator's side knows of the robot: newest state, scene and description, and what was refused."""
 
 from collections import deque
 
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder
+from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.echo import Newest
-from farhand.common.messages.keys import scene_key, state_key
+from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 
@@ -21,10 +22,13 @@ class Perception:
 
     def __init__(self, robot: str) -> None:
         self._state_key, self._scene_key = state_key(robot), scene_key(robot)
+        self._description_key = description_key(robot)
         self._states, self._scenes = Decoder(RobotState), Decoder(Scene)
-        self.newest_state, self.newest_scene = Newest(), Newest()
+        self._descriptions = Decoder(RobotDescription)
+        self.newest_state, self.newest_scene, self.newest_description = Newest(), Newest(), Newest()
         self.state: RobotState | None = None
         self.scene: Scene | None = None
+        self.description: RobotDescription | None = None
         self.states = 0
         self._arrivals: deque[int] = deque(maxlen=RATE_WINDOW)
 
@@ -42,12 +46,25 @@ class Perception:
             scene = self._scenes.decode(packet.payload)
             if scene is not None and self.newest_scene.accept(scene, packet.arrived_ns):
                 self.scene = scene
+        if packet.key == self._description_key:
+            description = self._descriptions.decode(packet.payload)
+            if description is not None and self.newest_description.accept(description, packet.arrived_ns):
+                self.description = description
         return None
+
+    @property
+    def lacking(self) -> str:
+        """What has not come from the robot yet and must before anything moves; empty if all is there."""
+        if self.state is None:
+            return "state"
+        if self.scene is None:
+            return "scene"
+        return "description" if self.description is None else ""
 
     @property
     def refused(self) -> int:
         """Messages refused by the decoders."""
-        return self._states.refused.total() + self._scenes.refused.total()
+        return sum(d.refused.total() for d in (self._states, self._scenes, self._descriptions))
 
     def state_rate(self, now_ns: int) -> float:
         """States that arrived per second, over the last 50."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.common.messages.base import Vector3
+from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.control.checks.fallback import safe_plan
@@ -31,40 +32,58 @@ class Filtered:
     reason: str
 
 
+@dataclass(frozen=True, slots=True)
+class Ahead:
+    """What a plan is to be found for.
+
+    Attributes:
+        desired: velocity that is wanted (m/s).
+        prediction: where the plan begins.
+        margin: how much more than d_min to keep.
+        state, scene: newest from the robot.
+    """
+
+    desired: Vector3
+    prediction: Prediction
+    margin: Margin
+    state: RobotState
+    scene: Scene
+
+
 class SafetyFilter:
     """Poses the controller's problem from the scene that came over the wire.
 
     Args:
         settings: of the controller.
         controller: the controller.
-        lag: of the robot's velocity response (s).
+        robot: what it is.
     """
 
-    def __init__(self, settings: ControllerSettings, controller: Controller, lag: float) -> None:
+    def __init__(self, settings: ControllerSettings, controller: Controller, robot: RobotDescription) -> None:
         self._settings = settings
-        self._lag = lag
+        self._lag = robot.lag
+        self._keep = robot.radius + settings.d_min
         self._controller = controller
         self._scene: Scene | None = None
         self._centres = self._velocities = np.zeros((0, 3))
         self._radii = np.zeros(0)
         self._moving = False
 
-    def filter(
-        self, desired: Vector3, prediction: Prediction, margin: Margin, state: RobotState, scene: Scene
-    ) -> Filtered:
+    def filter(self, ahead: Ahead) -> Filtered:
         """The plan for a desired velocity.
 
         Obstacles are taken to where they will be when the command takes effect: both stamps are the robot's,
         so no two clocks are compared.
         """
+        prediction, margin, scene = ahead.prediction, ahead.margin, ahead.scene
         self._look_at(scene)
         centres = self._centres
         if self._moving:
-            ahead = (state.t_sample_ns - scene.t_sample_ns) * 1e-9 + prediction.look + self._lag
-            centres = centres + self._velocities * ahead
+            old = (ahead.state.t_sample_ns - scene.t_sample_ns) * 1e-9
+            centres = centres + self._velocities * (old + prediction.look + self._lag)
         problem = ControlProblem(
             position=np.array(prediction.start),
-            desired=np.array(desired),
+            desired=np.array(ahead.desired),
             centres=centres,
             radii=self._radii + margin.inflation,
             velocities=self._velocities,
@@ -86,9 +105,8 @@ class SafetyFilter:
         if scene is self._scene:
             return
         self._scene = scene
-        keep = scene.robot_radius + self._settings.d_min
         n = len(scene.obstacles)
         self._centres = np.array([o.position for o in scene.obstacles], dtype=float).reshape(n, 3)
         self._velocities = np.array([o.velocity for o in scene.obstacles], dtype=float).reshape(n, 3)
-        self._radii = np.array([o.radius + keep for o in scene.obstacles], dtype=float)
+        self._radii = np.array([o.radius + self._keep for o in scene.obstacles], dtype=float)
         self._moving = bool(np.any(self._velocities))

@@ -3,7 +3,7 @@
 | situation | command |
 |---|---|
 | the device's emergency stop | estop |
-| no state or no scene yet | nothing is sent |
+| no state, no scene or no description yet | nothing is sent |
 | another session holds control | acknowledge, once a second, which asks for it and is refused |
 | this session waited, control is free but was not released, the operator acknowledges | acknowledge |
 | the same, the operator does not acknowledge | nothing is sent |
@@ -22,7 +22,6 @@ taken only if a person decides it.
 from dataclasses import dataclass
 
 from farhand.common.messages.command import CommandMode
-from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.device import SteeringInput
 
@@ -61,22 +60,19 @@ class Seat:
     successor: int = 0
 
 
-def decide(
-    state: RobotState | None, scene: Scene | None, steering: SteeringInput | None, me: Seat
-) -> Decision:
+def decide(state: RobotState | None, lacking: str, steering: SteeringInput | None, me: Seat) -> Decision:
     """The table above, first match first.
 
     Args:
-        state, scene: newest from the robot, if any.
-        steering: what the device wants; None before there is a state and a scene.
+        state: newest from the robot, if any.
+        lacking: what has not come from the robot yet; empty: nothing is lacking.
+        steering: what the device wants; None while something is lacking.
         me: this operator.
     """
     if steering is not None and steering.estop:
         return Decision("estop", "emergency stop by the operator")
-    if state is None:
-        return Decision(None, "no state from the robot yet")
-    if scene is None or steering is None:
-        return Decision(None, "no scene from the robot yet")
+    if state is None or steering is None:
+        return Decision(None, f"no {lacking or 'state'} from the robot yet")
     if state.holder not in (0, me.session):
         return Decision("acknowledge", _waiting(state, me), asking=True)
     if state.holder == 0 and me.waited_for and state.lease_end != "released":
@@ -122,13 +118,13 @@ class Supervision:
         self.successor = 0
 
     def step(
-        self, state: RobotState | None, scene: Scene | None, steering: SteeringInput | None, now_ns: int
+        self, state: RobotState | None, lacking: str, steering: SteeringInput | None, now_ns: int
     ) -> Decision:
         """The decision of a tick."""
         if state is not None:
             self._look(state)
         me = Seat(self._session, self._name, self._waited_for, self.successor)
-        decision = decide(state, scene, steering, me)
+        decision = decide(state, lacking, steering, me)
         if not decision.asking:
             return decision
         if self._asked_ns is not None and now_ns - self._asked_ns < ASK_PERIOD_NS:

@@ -4,7 +4,7 @@ Data flow of a tick at `now_ns`:
 
     link -> command intake (decode, count) -> watchdog (lease, age, order, timeouts, plan play-out)
          -> robot (velocity control, physics) over [now, now + dt]
-    link <- RobotState at the state rate, Scene once a second and on change
+    link <- RobotState at the state rate, Scene and RobotDescription once a second and on change
 
 The sample in a RobotState is the state at `now_ns`, before that tick's step.
 """
@@ -15,7 +15,8 @@ from typing import Any
 
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.codec import encode
-from farhand.common.messages.keys import scene_key, state_key
+from farhand.common.messages.description import RobotDescription
+from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.executor import Periodic
@@ -44,6 +45,7 @@ class RobotNode:
 
     def __init__(self, scenario: RobotScenario, robot: Robot, link: Link, name: str, session: int) -> None:
         settings = scenario.robot
+        self._settings, self._safety = settings, scenario.safety
         self._targets = scenario.targets
         self._obstacles = scenario.obstacles
         self._radius = settings.radius
@@ -206,12 +208,31 @@ class RobotNode:
             seq=self._scene_seq,
             t_sent_ns=now_ns,
             t_sample_ns=now_ns,
-            robot_radius=self._radius,
             obstacles=self._field.at(now_ns) if self._field is not None else self._obstacles,
             targets=self._targets,
         )
-        self._scene_seq += 1
         self._link.send(Packet(scene_key(self._name), encode(scene)))
+        self._link.send(Packet(description_key(self._name), encode(self._description(now_ns))))
+        self._scene_seq += 1
+
+    def _description(self, now_ns: int) -> RobotDescription:
+        settings, safety = self._settings, self._safety
+        return RobotDescription(
+            source=self._name,
+            session=self._session,
+            seq=self._scene_seq,
+            t_sent_ns=now_ns,
+            kind=settings.kind,
+            model=self._robot.model,
+            joint_names=self._robot.joint_names,
+            lag=settings.lag,
+            radius=settings.radius,
+            rate_hz=settings.rate_hz,
+            state_rate_hz=settings.state_rate_hz,
+            max_speed=safety.max_speed,
+            max_age=safety.max_age,
+            command_timeout=safety.command_timeout,
+        )
 
 
 def _finite(sample: RobotSample) -> bool:

@@ -34,6 +34,11 @@ def scene_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/scene"
 
 
+def description_key(robot: str) -> str:
+    """Robot to operator: RobotDescription."""
+    return f"{PREFIX}/{robot}/description"
+
+
 def report_key(robot: str) -> str:
     """Operator to its own console and recorder: ControlReport."""
     return f"{PREFIX}/{robot}/report"

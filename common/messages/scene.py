@@ -4,7 +4,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from farhand.common.messages.base import Message, Name, NonNegative, Positive, Stamp, Vector3
+from farhand.common.messages.base import Message, Name, Positive, Stamp, Vector3
 
 MAX_OBSTACLES = 1024
 MAX_TARGETS = 256
@@ -31,12 +31,10 @@ class Scene(Message, frozen=True, kw_only=True):
 
     Attributes:
         t_sample_ns: instant at which the obstacles were where they are said to be, robot clock.
-        robot_radius: radius of the sphere around the tool that must stay clear (m).
         obstacles: what to avoid.
         targets: where to go, in order (m).
     """
 
     t_sample_ns: Stamp
-    robot_radius: NonNegative
     obstacles: Annotated[tuple[Obstacle, ...], Meta(max_length=MAX_OBSTACLES)] = ()
     targets: Annotated[tuple[Vector3, ...], Meta(max_length=MAX_TARGETS)] = ()

@@ -20,6 +20,7 @@ from farhand.common.messages.keys import (
     about_key,
     alive_key,
     command_key,
+    description_key,
     report_key,
     scene_key,
     state_key,
@@ -135,8 +136,12 @@ def _reader(robots: tuple[str, ...], keys: tuple[str, ...]) -> list[Rule]:
 
 
 def _seen(robots: tuple[str, ...]) -> tuple[str, ...]:
-    """What a robot tells: state, scene, camera."""
-    return tuple(key for r in robots for key in (state_key(r), scene_key(r), f"{PREFIX}/{r}/camera/**"))
+    """What a robot tells: state, scene, description, camera."""
+    return tuple(
+        key
+        for r in robots
+        for key in (state_key(r), scene_key(r), description_key(r), f"{PREFIX}/{r}/camera/**")
+    )
 
 
 def _observed(robots: tuple[str, ...]) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ from farhand.programs.wiring import make_operator, versions
 from farhand.runs.scenario import Scenario, replace_setting, scenario_from_table
 
 RECORDING = "run.mcap"
-SECTIONS = ("controller", "margin", "operator", "robot.lag")
+SECTIONS = ("controller", "margin", "operator")
 """Settings that a replay can change: those of the deciding side."""
 
 

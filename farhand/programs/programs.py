@@ -14,7 +14,7 @@ import msgspec
 
 from farhand.common.errors import EndpointError, InputError
 from farhand.common.link.zenoh_link import ZenohLink, open_session
-from farhand.common.messages.keys import check_robot_name, command_key, scene_key, state_key
+from farhand.common.messages.keys import check_robot_name, command_key, description_key, scene_key, state_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.process.security import guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
@@ -83,7 +83,9 @@ def operator_program(
             connect, listen, mode=_mode(router, listen), extra=folder.settings("operator") if folder else ()
         )
         heard = threading.Event()
-        link = ZenohLink(link_session, [state_key(name), scene_key(name)], clock, heard.set)
+        link = ZenohLink(
+            link_session, [state_key(name), scene_key(name), description_key(name)], clock, heard.set
+        )
         closing.callback(link.close)
         guard(link_session, folder, name, "operator", lambda line: say("operator", line))
         node = make_operator(

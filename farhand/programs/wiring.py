@@ -37,7 +37,7 @@ def make_operator(
 ) -> OperatorNode:
     """The operator's node with the scenario's device or another one; `controller` is prepared already."""
     device = make_device(scenario.steering) if device is None else device
-    return OperatorNode(scenario, controller, device, link, who, scenario.robot.lag, stopwatch)
+    return OperatorNode(scenario, controller, device, link, who, stopwatch)
 
 
 def make_netem(

@@ -2,8 +2,8 @@
 
     from farhand.testing import ScriptedLink, command, state
 
-Messages with sensible defaults (`state`, `scene`, `command`, `report`, `echo_of`), a controller's problem
-(`problem`), a device, a robot, a controller and a link that do what the test says and keep what they were told,
+Messages with sensible defaults (`state`, `scene`, `description`, `command`, `report`, `echo_of`), a controller's
+problem (`problem`), a device, a robot, a controller and a link that do what the test says and keep what they were told,
 and the real programs as child processes (`Program`, `Programs`) with a witness of what the robot says
 (`Witness`). Nothing here imports a test framework; what did not happen in time is an AssertionError.
 """
@@ -15,6 +15,7 @@ from farhand.testing.messages import (
     OPERATOR_SESSION,
     ROBOT_SESSION,
     command,
+    description,
     echo_of,
     report,
     scene,
@@ -37,6 +38,7 @@ __all__ = [
     "ScriptedRobot",
     "Witness",
     "command",
+    "description",
     "echo_of",
     "problem",
     "report",

@@ -8,7 +8,15 @@ from farhand.common.link.link import Packet
 from farhand.common.messages.base import Message
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
-from farhand.common.messages.keys import command_key, kind_of, report_key, scene_key, state_key
+from farhand.common.messages.description import RobotDescription
+from farhand.common.messages.keys import (
+    command_key,
+    description_key,
+    kind_of,
+    report_key,
+    scene_key,
+    state_key,
+)
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
@@ -17,12 +25,14 @@ KINDS: dict[str, type[Message]] = {
     "command": VelocityCommand,
     "state": RobotState,
     "scene": Scene,
+    "description": RobotDescription,
     "report": ControlReport,
 }
 KEYS = {
     VelocityCommand: command_key,
     RobotState: state_key,
     Scene: scene_key,
+    RobotDescription: description_key,
     ControlReport: report_key,
 }
 

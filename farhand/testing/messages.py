@@ -8,6 +8,7 @@ from typing import Any
 
 from farhand.common.messages.base import Echo, Message, Vector3
 from farhand.common.messages.command import CommandMode, VelocityCommand
+from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
@@ -48,17 +49,34 @@ def state(seq: int = 0, **fields: Any) -> RobotState:
 
 
 def scene(seq: int = 0, *obstacles: Obstacle, **fields: Any) -> Scene:
-    """What is around a robot of 0.1 m: these obstacles (none), and no target."""
+    """What is around the robot: these obstacles (none), and no target."""
     stamp = fields.get("t_sent_ns", seq * SCENE_NS)
     defaults: dict[str, Any] = {
         "source": "r",
         "session": ROBOT_SESSION,
         "t_sent_ns": stamp,
         "t_sample_ns": stamp,
-        "robot_radius": 0.1,
         "obstacles": obstacles,
     }
     return Scene(seq=seq, **(defaults | fields))
+
+
+def description(seq: int = 0, **fields: Any) -> RobotDescription:
+    """A point of 0.1 m with a lag of 0.1 s, 50 ticks and states a second, that moves at 2 m/s at most."""
+    defaults: dict[str, Any] = {
+        "source": "r",
+        "session": ROBOT_SESSION,
+        "t_sent_ns": seq * SCENE_NS,
+        "kind": "point",
+        "lag": 0.1,
+        "radius": 0.1,
+        "rate_hz": 50.0,
+        "state_rate_hz": 50.0,
+        "max_speed": 2.0,
+        "max_age": 1.0,
+        "command_timeout": 0.3,
+    }
+    return RobotDescription(seq=seq, **(defaults | fields))
 
 
 def command(seq: int = 0, mode: CommandMode = "run", **fields: Any) -> VelocityCommand:

@@ -20,6 +20,7 @@ from farhand.testing import (
     ScriptedController,
     ScriptedDevice,
     ScriptedLink,
+    description,
     echo_of,
     scene,
     state,
@@ -41,9 +42,9 @@ class Bench:
             scenario = replace_setting(scenario, key, value)
         self.link, self.device = ScriptedLink("r"), ScriptedDevice(FORWARD)
         controller = controller or make_controller(scenario.controller)
-        self.node = OperatorNode(scenario, controller, self.device, self.link, OperatorIdentity("r", ME), 0.1)
+        self.node = OperatorNode(scenario, controller, self.device, self.link, OperatorIdentity("r", ME))
         self.now = 5_000 * MS
-        self.seqs, self.scene_seqs = itertools.count(), itertools.count()
+        self.seqs, self.scene_seqs, self.described = (itertools.count() for _ in range(3))
         self.sent = []
 
     def robot(self, echoed=None, applied=None, at_ns=None, **changes):
@@ -56,7 +57,12 @@ class Bench:
         self.link.feed(state(**fields), self.now if at_ns is None else at_ns)
 
     def scene(self, *obstacles):
+        """The robot says what is around it, and what it is."""
+        self.describe()
         self.link.feed(scene(next(self.scene_seqs), *obstacles, t_sent_ns=77), self.now)
+
+    def describe(self, **changes):
+        self.link.feed(description(next(self.described), t_sent_ns=77, **changes), self.now)
 
     def tick(self, late_ns=0):
         """The next tick; returns the command that left, or None."""
@@ -84,7 +90,7 @@ class Bench:
         return command
 
 
-def test_nothing_is_sent_before_there_are_a_state_and_a_scene():
+def test_nothing_is_sent_before_state_scene_and_description_are_there():
     bench = Bench()
     assert bench.tick() is None
     assert bench.node.report.stop_reason == "no state from the robot yet"
@@ -92,7 +98,10 @@ def test_nothing_is_sent_before_there_are_a_state_and_a_scene():
     assert bench.tick() is None
     assert bench.node.report.stop_reason == "no scene from the robot yet"
     assert bench.node.report.safety == "run"
-    bench.scene()
+    bench.link.feed(scene(0, t_sent_ns=77), bench.now)
+    assert bench.tick() is None
+    assert bench.node.report.stop_reason == "no description from the robot yet"
+    bench.describe()
     assert bench.tick().mode == "acknowledge"
     assert bench.node.driving_since_ns is None
 
@@ -258,7 +267,7 @@ def test_moving_obstacles_are_taken_to_where_they_will_be():
     bench.robot(bench.sent[-1], t_sample_ns=77 + 300 * MS)
     bench.tick()
     look = bench.node.round_trip.mean
-    expected = 0.3 + look + bench.node.scenario.robot.lag
+    expected = 0.3 + look + 0.1
     assert controller.problems[-1].centres[0].tolist() == pytest.approx([3.0, expected, 0.0])
 
 
@@ -297,7 +306,32 @@ def test_every_tick_is_recorded_with_what_arrived():
     bench.drive()
     (silent, asking, driving) = bench.node.recorder.ticks
     assert silent[1:3] == ([], None)
-    assert [p.key for p in asking[1]] == ["farhand/r/state", "farhand/r/scene"]
+    assert [p.key for p in asking[1]] == ["farhand/r/state", "farhand/r/description", "farhand/r/scene"]
     assert driving[2] == encode(bench.sent[-1])
     assert driving[3] == bench.node.report
     assert msgspec.structs.asdict(driving[3])["mode"] == "run"
+
+
+def test_another_robot_is_predicted_as_it_says_it_is():
+    """A robot that comes back with another lag: the plan begins where that one will be."""
+    bench = Bench()
+    command = bench.drive()
+    for lag in (0.1, 0.3, 0.3):
+        bench.describe(lag=lag)
+        bench.robot(command, velocity=(0.2, 0.0, 0.0))
+        command = bench.tick()
+        assert bench.node.robot.lag == lag
+        assert bench.node.report.predicted == pytest.approx((0.6 + lag * 0.2, 0.0, 0.6))
+
+
+def test_the_sphere_around_the_tool_is_the_robots():
+    ball = Obstacle("ball", (1.2, 0.0, 0.6), 0.1)
+    clear = {}
+    for radius in (0.1, 0.45):
+        bench = Bench(**{"controller.kind": "mpc-cbf"})
+        bench.scene(ball)
+        bench.describe(radius=radius)
+        bench.robot(holder=0, mode="hold")
+        bench.robot(bench.tick(), mode="hold")
+        clear[radius] = bench.tick().velocity[0]
+    assert clear[0.45] < clear[0.1] - 0.05

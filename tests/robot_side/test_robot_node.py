@@ -26,7 +26,7 @@ class Bench:
         self.link = ScriptedLink("r1")
         self.node = RobotNode(scenario, robot or make_robot(scenario), self.link, "r1", SESSION)
         self.now = 7 * SECOND
-        self.states, self.scenes = [], []
+        self.states, self.scenes, self.descriptions = [], [], []
         self.seq = 0
 
     def tick(self, n=1):
@@ -35,6 +35,7 @@ class Bench:
             self.now = self.node.step(self.now)
             self.states += self.link.take("state")
             self.scenes += self.link.take("scene")
+            self.descriptions += self.link.take("description")
 
     def command(self, velocity=(0.2, 0.0, 0.0), mode="run", **changes):
         """The next command, built on the newest state."""
@@ -209,7 +210,9 @@ def test_scene_once_a_second_on_a_new_holder_and_on_change():
     assert len(bench.scenes) == 3
     assert bench.scenes[0].obstacles == SCENARIO.obstacles
     assert bench.scenes[0].targets == SCENARIO.targets
-    assert bench.scenes[0].robot_radius == SCENARIO.robot.radius
+    told = bench.descriptions[0]
+    assert (told.kind, told.radius, told.lag) == ("point", SCENARIO.robot.radius, SCENARIO.robot.lag)
+    assert (told.max_speed, told.max_age) == (SCENARIO.safety.max_speed, SCENARIO.safety.max_age)
     bench.send(bench.command())
     bench.tick()
     assert len(bench.scenes) == 4
@@ -217,6 +220,8 @@ def test_scene_once_a_second_on_a_new_holder_and_on_change():
     bench.tick()
     assert [o.id for o in bench.scenes[-1].obstacles] == ["new"]
     assert [scene.seq for scene in bench.scenes] == list(range(5))
+    assert [told.seq for told in bench.descriptions] == list(range(5))
+    assert all(told.same_robot(bench.descriptions[0]) for told in bench.descriptions)
 
 
 def test_clearance_follows_moving_obstacles():

@@ -12,6 +12,7 @@ from farhand.common.link.zenoh_link import check_endpoint, is_loopback
 from farhand.common.messages.keys import (
     check_robot_name,
     command_key,
+    description_key,
     kind_of,
     report_key,
     robot_of,
@@ -104,6 +105,7 @@ def test_keys():
         "command": command_key,
         "state": state_key,
         "scene": scene_key,
+        "description": description_key,
         "report": report_key,
     }.items():
         assert key("r-1") == f"farhand/r-1/{kind}"

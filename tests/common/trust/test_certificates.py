@@ -132,7 +132,12 @@ def test_an_operator_may_write_only_the_command_of_its_robots(authority):
     robot = load_folder(authority / "robot.ur5").own
     rules = access_control(netem, [robot])["rules"]
     writes = {k for r in rules if "ingress" in r["flows"] and "put" in r["messages"] for k in r["key_exprs"]}
-    assert writes == {"farhand/ur5/state", "farhand/ur5/scene", "farhand/ur5/camera/**"}
+    assert writes == {
+        "farhand/ur5/state",
+        "farhand/ur5/scene",
+        "farhand/ur5/description",
+        "farhand/ur5/camera/**",
+    }
 
 
 def test_settings_nest_into_a_router_configuration(authority):

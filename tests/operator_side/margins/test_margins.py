@@ -1,0 +1,39 @@
+"""Margin laws."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from farhand.operator_side.margins.law import MarginInput
+from farhand.operator_side.margins.registry import make_margin
+from farhand.operator_side.settings import MarginSettings
+
+GIVEN = MarginInput(speed=0.4, rtt_mean=0.1, rtt_std=0.02, innovation=0.03, spread=0.05)
+
+
+def law(kind, **changes):
+    return make_margin(MarginSettings(kind=kind, own={kind: changes}))
+
+
+def test_no_margin():
+    margin = law("none").evaluate(GIVEN)
+    assert (margin.sigma, margin.inflation) == (0.0, 0.0)
+
+
+def test_the_papers_margin():
+    margin = law("paper", k_sigma=2.0, max_speed=0.5).evaluate(GIVEN)
+    assert margin.sigma == pytest.approx(0.4 * 0.1 + 0.5 * 2.0 * 0.02)
+    assert margin.inflation == 0.0
+    assert margin.sigma == pytest.approx(sum(margin.parts.values()))
+
+
+nonnegative = st.floats(0, 10)
+
+
+@given(nonnegative, nonnegative)
+def test_the_adaptive_margin_is_the_largest_of_its_parts_within_its_bounds(innovation, spread):
+    margin = law("adaptive", floor=0.02, cap=0.3).evaluate(MarginInput(1.0, 9.0, 9.0, innovation, spread))
+    assert margin.sigma == 0.0
+    assert 0.02 <= margin.inflation <= 0.3
+    assert margin.inflation == min(0.3, max(0.02, innovation, spread))
+    assert margin.parts == {"floor": 0.02, "innovation": innovation, "spread": spread}

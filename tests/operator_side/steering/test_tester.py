@@ -1,0 +1,73 @@
+"""The paper's tester and the progress through targets."""
+
+import pytest
+
+from farhand.operator_side.steering.device import View
+from farhand.operator_side.steering.targets import Targets
+from farhand.operator_side.steering.tester import ACKNOWLEDGE_PERIOD_NS, TesterSettings
+from farhand.operator_side.steering.tester import Tester as PaperTester
+from farhand.testing import messages
+
+ME, OTHER = 7, 8
+NAMES = {0: "", ME: "me", OTHER: "other"}
+
+
+def state(mode="run", holder=ME, position=(0.0, 0.0, 0.0), **changes):
+    return messages.state(
+        mode=mode, reason="why", holder=holder, holder_name=NAMES[holder], position=position, **changes
+    )
+
+
+def scene(*targets):
+    return messages.scene(targets=targets)
+
+
+class Driver:
+    """A tester before the targets of a scene."""
+
+    def __init__(self, *targets, tolerance=0.02):
+        self.tester, self.targets = PaperTester(TesterSettings()), Targets(tolerance)
+        self.scene = scene(*targets)
+
+    def read(self, state, now_ns=0):
+        self.targets.update(state, self.scene)
+        return self.tester.read(View(state, self.scene, self.targets, now_ns))
+
+    @property
+    def progress(self):
+        return self.targets.reached, self.targets.count
+
+
+def test_the_testers_speed_law():
+    for gap, speed in ((0.1, 0.05), (0.15, 0.05), (0.325, 0.275), (0.5, 0.5), (3.0, 0.5)):
+        wanted = Driver((0.0, gap, 0.0)).read(state())
+        assert wanted.velocity == pytest.approx((0.0, speed, 0.0))
+        assert wanted.engaged
+
+
+def test_the_tester_heads_straight_for_one_target_after_the_other():
+    seat = Driver((1.0, 0, 0), (1.01, 0, 0), (0, 1.0, 0))
+    assert (seat.progress, seat.targets.finished) == ((0, 0), False)
+    assert seat.read(state()).velocity[0] > 0
+    assert seat.progress == (0, 3)
+    toward = seat.read(state(position=(0.985, 0.0, 0.0))).velocity
+    assert seat.progress == (1, 3)  # the second is still 25 mm away
+    assert toward[0] > 0
+    toward = seat.read(state(position=(1.0, 0.0, 0.0))).velocity
+    assert seat.progress == (2, 3)
+    assert toward[1] == pytest.approx(-toward[0])
+    assert not seat.read(state(position=(0.0, 0.99, 0.0))).engaged
+    assert seat.targets.finished
+    assert not Driver().read(state()).engaged
+
+
+def test_the_tester_acknowledges_a_stop_twice_a_second_and_never_an_emergency_stop():
+    seat = Driver((1.0, 0, 0))
+    period = ACKNOWLEDGE_PERIOD_NS
+    asked = [seat.read(state("stopped"), t).acknowledge for t in range(0, 3 * period, period // 5)]
+    assert [k for k, yes in enumerate(asked) if yes] == [0, 5, 10]
+    assert not seat.read(state("estop"), 9 * period).acknowledge
+    assert not seat.read(state("run"), 9 * period).acknowledge
+    assert not seat.read(state("estop", 0), 9 * period).acknowledge
+    assert seat.read(state("hold", 0), 9 * period).acknowledge  # free control is taken
+    assert not seat.read(state("hold", OTHER), 10 * period).acknowledge
