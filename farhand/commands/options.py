@@ -1,27 +1,38 @@
 """Options that several commands share, and what they mean."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from farhand.common.errors import InputError, SpecError
-from farhand.common.kinds import Kinds
-from farhand.operator_side.control.registry import SOLVERS
-from farhand.operator_side.margins.registry import MARGINS
-from farhand.operator_side.prediction.registry import PREDICTORS
-from farhand.runs.scenario import Scenario, load_scenario, replace_setting
+from farhand.common.errors import InputError
+from farhand.common.scenario import (
+    MarginName,
+    PredictorName,
+    Scenario,
+    SolverName,
+    load_scenario,
+    replace_setting,
+)
+
+if TYPE_CHECKING:
+    from farhand.runs.run import Network
 
 ScenarioOption = Annotated[
     str, typer.Option(help="Built-in scenario (see `farhand scenarios`) or TOML file.")
 ]
+DEFAULT_NETWORK = "5g-urban"
+"""Of a demo and of a simulation whose scenario says nothing of a network."""
 NetworkOption = Annotated[
-    str,
-    typer.Option(help="SPEC of both directions, e.g. constant:200 (ms), or a name from `farhand networks`."),
+    str | None,
+    typer.Option(
+        help="SPEC of both directions, e.g. constant:200 (ms), or a name from `farhand networks` "
+        f"[default: scenario's, else {DEFAULT_NETWORK}]."
+    ),
 ]
-UplinkOption = Annotated[str, typer.Option(help="SPEC from operator to robot, where it differs.")]
-DownlinkOption = Annotated[str, typer.Option(help="SPEC from robot to operator, where it differs.")]
+UplinkOption = Annotated[str | None, typer.Option(help="SPEC from operator to robot, where it differs.")]
+DownlinkOption = Annotated[str | None, typer.Option(help="SPEC from robot to operator, where it differs.")]
 MarginOption = Annotated[
     str | None, typer.Option(help=f"Safety margin: {', '.join(MARGINS.names())} [default: scenario's].")
 ]
@@ -98,6 +109,16 @@ def chosen_scenario(
     return scenario
 
 
+def chosen_network(
+    scenario: Scenario, where: str, network: str | None, uplink: str | None, downlink: str | None
+) -> "Network":
+    """The network in force for a run of `scenario`, which was asked for as `where`; raises InputError."""
+    from farhand.runs.run import choose_network, read_choice
+
+    choice = read_choice(network, uplink, downlink)
+    return choose_network(scenario, choice, default=DEFAULT_NETWORK, where=where)
+
+
 def parse_setting(setting: str) -> tuple[str, object]:
     """Key and value of `controller.gamma=0.3`; raises InputError."""
     key, separator, text = setting.partition("=")
@@ -118,18 +139,6 @@ def parse_value(text: str) -> object:
         return tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:
         return text
-
-
-def split_network(network: str, uplink: str, downlink: str) -> tuple[str, str]:
-    """SPECs of both directions, checked; raises SpecError."""
-    from farhand.netem.spec import parse_spec
-
-    up, down = uplink or network, downlink or network
-    for spec in dict.fromkeys((up, down)):
-        if not spec.strip():
-            raise SpecError("network '': at character 1: expected a SPEC such as constant:200 or none")
-        parse_spec(spec).prepare()
-    return up, down
 
 
 def print_rows(rows: list[tuple[str, str]]) -> None:

@@ -24,4 +24,23 @@ def make_robot(scenario: RobotScenario) -> Robot:
 
     Raises ScenarioError when the robot cannot stand there, InputError when there is no such robot.
     """
-    return ROBOTS.get(scenario.robot.kind, "robot.kind").for_scenario(scenario)
+    kind = scenario.robot.kind
+    if kind == "point":
+        from farhand.robot_side.robots.point import PointRobot
+
+        return PointRobot(scenario.start, scenario.robot.lag)
+    if kind == "box":
+        from farhand.robot_side.robots.pybullet_box import BoxRobot
+
+        return BoxRobot(scenario.start)
+    from farhand.robot_side.robots.pybullet_arm import UR5Robot
+
+    return UR5Robot(scenario)
+
+
+def check_scenario(scenario: Scenario) -> None:
+    """Raise ScenarioError when the scenario's robot cannot stand at its start; connects to nothing."""
+    if scenario.robot.kind == "ur5":
+        from farhand.robot_side.robots.pybullet_arm import check_start
+
+        check_start(scenario)
