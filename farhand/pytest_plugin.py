@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from farhand.operator_side.control.controller import Controller
     from farhand.robot_side.robots.robot import Robot
     from farhand.runs.run import Run
+    from farhand.runs.scenario import Scenario
     from farhand.runs.summary import RunSummary
 
 KEYWORDS = (
@@ -162,8 +163,8 @@ def farhand(request: pytest.FixtureRequest) -> Farhand:
 
 
 def _run(settings: Settings) -> Run:
-    from farhand.common.scenario import load_scenario, replace_setting
     from farhand.runs.run import Run, choose_network, read_choice
+    from farhand.runs.scenario import load_scenario, replace_setting
 
     found = settings.scenario
     scenario = load_scenario(found) if isinstance(found, str) else found

@@ -9,7 +9,6 @@ import msgspec
 
 from farhand.common.link.link import Link
 from farhand.common.result_file import write_result
-from farhand.common.scenario import Scenario
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.robot_side.announcer import Announcer

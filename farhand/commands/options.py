@@ -1,23 +1,18 @@
 """Options that several commands share, and what they mean."""
 
-from typing import TYPE_CHECKING, Annotated, get_args
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
 from farhand.common.errors import InputError
-from farhand.common.scenario import (
-    MarginName,
-    PredictorName,
-    Scenario,
-    SolverName,
-    load_scenario,
-    replace_setting,
-)
+from farhand.common.kinds import Kinds
+from farhand.operator_side.control.registry import SOLVERS
+from farhand.operator_side.margins.registry import MARGINS
+from farhand.operator_side.prediction.registry import PREDICTORS
 
 if TYPE_CHECKING:
     from farhand.runs.run import Network
+    from farhand.runs.scenario import Scenario
 
 ScenarioOption = Annotated[
     str, typer.Option(help="Built-in scenario (see `farhand scenarios`) or TOML file.")
@@ -90,8 +85,10 @@ def chosen_scenario(
     predictor: str | None,
     solver: str | None,
     settings: list[str] | None,
-) -> Scenario:
+) -> "Scenario":
     """The scenario with the options' replacements; raises InputError."""
+    from farhand.runs.scenario import load_scenario, replace_setting
+
     scenario = load_scenario(name)
     chosen: tuple[tuple[str, str | None, str, Kinds[Any]], ...] = (
         ("--margin", margin, "margin.kind", MARGINS),
@@ -110,7 +107,7 @@ def chosen_scenario(
 
 
 def chosen_network(
-    scenario: Scenario, where: str, network: str | None, uplink: str | None, downlink: str | None
+    scenario: "Scenario", where: str, network: str | None, uplink: str | None, downlink: str | None
 ) -> "Network":
     """The network in force for a run of `scenario`, which was asked for as `where`; raises InputError."""
     from farhand.runs.run import choose_network, read_choice
@@ -143,6 +140,9 @@ def parse_value(text: str) -> object:
 
 def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
+    from rich.console import Console
+    from rich.table import Table
+
     table = Table.grid(padding=(0, 2))
     for name, line in rows:
         table.add_row(f"[bold]{name}[/bold]", line)

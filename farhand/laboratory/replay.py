@@ -24,6 +24,7 @@ from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 from farhand.programs.wiring import make_operator, versions
 from farhand.runs.files import RECORDING
+from farhand.runs.scenario import Scenario, replace_setting, scenario_from_table
 
 SECTIONS = ("controller", "margin", "operator", "robot.lag")
 """Settings that a replay can change: those of the deciding side."""

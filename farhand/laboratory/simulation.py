@@ -14,21 +14,28 @@ from typing import TYPE_CHECKING, TypedDict
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.recorder import RunInfo, RunRecorder
-from farhand.common.scenario import Scenario
 from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.result import NetemResult
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.operator_node import OperatorNode
+from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Tally
-from farhand.programs.wiring import make_netem, make_operator, make_robot_node, session_of, versions
+from farhand.programs.wiring import (
+    OPERATOR_NAME,
+    make_netem,
+    make_operator,
+    make_robot_node,
+    session_of,
+    versions,
+)
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
 from farhand.runs.results import RunResults
 from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run, choose_network, read_choice
+from farhand.runs.scenario import Scenario
 from farhand.runs.summary import RunSummary, summarise
 
 if TYPE_CHECKING:
@@ -174,7 +181,7 @@ class _World:
         controller.prepare()
         self._solver = controller.settings.solver
         session = session_of(self._run.seed, "operator")
-        operator = make_operator(scenario, link, name, session, controller)
+        operator = make_operator(scenario, link, OperatorIdentity(name, session, OPERATOR_NAME), controller)
         recorder = _recorder(options.get("record_to"), self._run, session)
         if recorder is not None:
             closing.callback(recorder.close)

@@ -19,14 +19,15 @@ from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.systemd import tell_systemd
 from farhand.common.recording.recorder import RunInfo, RunRecorder
 from farhand.common.result_file import write_result
-from farhand.common.scenario import Scenario, scenario_to_table
 from farhand.common.timing.clock import SystemClock, processor_seconds
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import run_operator
+from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
 from farhand.programs.wiring import make_operator, versions
 from farhand.robot_side.main import run_robot
+from farhand.runs.scenario import Scenario, scenario_to_table
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
 

@@ -16,6 +16,7 @@ from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
 from farhand.runs.run import Run
+from farhand.runs.scenario import Scenario
 
 OPERATOR_NAME = "operator"
 """The operator's name in virtual time and in the demo, whoever runs them."""

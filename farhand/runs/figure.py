@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.scenario import Scenario
 from farhand.operator_side.result import Sample
+from farhand.runs.scenario import Scenario
 from farhand.runs.summary import RunSummary
 
 WIDTH = 7.16  # inches: two columns of an IEEE page

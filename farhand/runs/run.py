@@ -5,8 +5,8 @@ from typing import Any
 import msgspec
 
 from farhand.common.errors import InputError, SpecError
-from farhand.common.scenario import Scenario, scenario_to_table
 from farhand.netem.spec import Spec, parse_spec
+from farhand.runs.scenario import Scenario, scenario_to_table
 
 TIME_LIMIT = 90.0
 """Of a task, from the first motion command (s), where nothing else is said."""

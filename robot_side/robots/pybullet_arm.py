@@ -32,7 +32,7 @@ class ArmWorld:
     Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: RobotScenario) -> None:
         self.kinematics = Kinematics()
         self._q = _start_configuration(self.kinematics, scenario)
         self._bullet, self._client = connect()
@@ -94,7 +94,7 @@ class ArmWorld:
             )
 
 
-class UR5Robot(ArmWorld):
+class UR5Robot(ArmWorld, Robot):
     """Follows tool velocities with the tool kept as it points at the start: down.
 
     Args:
@@ -103,7 +103,10 @@ class UR5Robot(ArmWorld):
     Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    joint_names = JOINTS
+    model = "ur5"
+
+    def __init__(self, scenario: RobotScenario) -> None:
         super().__init__(scenario)
         settings = scenario.robot
         bounds = JointBounds(
@@ -121,6 +124,16 @@ class UR5Robot(ArmWorld):
         self._commanded: Array = np.zeros(6)
         self._dt = 0.0
         self._read()
+
+    @classmethod
+    def for_scenario(cls, scenario: RobotScenario) -> "UR5Robot":
+        """See Robot."""
+        return cls(scenario)
+
+    @classmethod
+    def check_start(cls, scenario: RobotScenario) -> None:
+        """See Robot."""
+        ArmWorld(scenario).close()
 
     def sample(self) -> RobotSample:
         """The state now."""
@@ -164,12 +177,7 @@ class UR5Robot(ArmWorld):
         self._tool = self.kinematics.tool(self._q)
 
 
-def check_start(scenario: Scenario) -> None:
-    """Raise ScenarioError when the arm cannot reach the start or would stand in a collision there."""
-    ArmWorld(scenario).close()
-
-
-def _start_configuration(kinematics: Kinematics, scenario: Scenario) -> Array:
+def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:
     joints = scenario.robot.joints
     q = kinematics.inverse_tool_down(scenario.start, None if joints is None else np.array(joints))
     if q is None:

@@ -24,23 +24,12 @@ def make_robot(scenario: RobotScenario) -> Robot:
 
     Raises ScenarioError when the robot cannot stand there, InputError when there is no such robot.
     """
-    kind = scenario.robot.kind
-    if kind == "point":
-        from farhand.robot_side.robots.point import PointRobot
-
-        return PointRobot(scenario.start, scenario.robot.lag)
-    if kind == "box":
-        from farhand.robot_side.robots.pybullet_box import BoxRobot
-
-        return BoxRobot(scenario.start)
-    from farhand.robot_side.robots.pybullet_arm import UR5Robot
-
-    return UR5Robot(scenario)
+    return ROBOTS.get(scenario.robot.kind, "robot.kind").for_scenario(scenario)
 
 
-def check_scenario(scenario: Scenario) -> None:
-    """Raise ScenarioError when the scenario's robot cannot stand at its start; connects to nothing."""
-    if scenario.robot.kind == "ur5":
-        from farhand.robot_side.robots.pybullet_arm import check_start
+def check_scenario(scenario: RobotScenario) -> None:
+    """Raise ScenarioError when the scenario's robot cannot stand at its start, where its kind can tell.
 
-        check_start(scenario)
+    Builds no robot and connects to nothing. Raises InputError when there is no such robot.
+    """
+    ROBOTS.get(scenario.robot.kind, "robot.kind").check_start(scenario)

@@ -13,6 +13,7 @@ from farhand.laboratory.campaigns.table1 import DELAYS, Table1
 from farhand.laboratory.simulation import simulate_run
 from farhand.runs.figure import BLUE, GREY, ORANGE, RED, STYLE, WIDTH
 from farhand.runs.run import COMPUTING_TIME
+from farhand.runs.scenario import Scenario
 
 COLOURS = {"none": RED, "paper": BLUE, "adaptive": ORANGE}
 LINES = {"none": "--", "paper": "-", "adaptive": "-."}

@@ -14,6 +14,7 @@ from farhand.laboratory.campaigns.store import source_digest
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.programs.wiring import versions
 from farhand.runs.run import Network, NetworkChoice, Run, choose_network, read_choice
+from farhand.runs.scenario import Scenario, load_scenario, replace_setting, scenario_to_table
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -11,6 +11,7 @@ from typing import Any
 from farhand.common.errors import FarhandError
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
+from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.trials.faults.judgement import MOVING, Outcome, Seen, judge
 from farhand.trials.faults.watching import Watcher

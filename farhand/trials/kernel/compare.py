@@ -16,12 +16,12 @@ from rich.console import Console
 from rich.table import Table
 
 from farhand.common.errors import FarhandError, InputError
-from farhand.common.scenario import Scenario, load_scenario
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.backend import Device, KernelEmulation
 from farhand.netem.tc.host import run_command
 from farhand.netem.tc.words import kernel_network
 from farhand.runs.run import Network, Run, choose_network, read_choice
+from farhand.runs.scenario import Scenario, load_scenario
 from farhand.trials.hosts import Hosts, why_not
 from farhand.trials.kernel.drive import Drive, drive
 

@@ -4,10 +4,10 @@ import pytest
 
 from farhand.cli import run
 from farhand.common.errors import InputError
-from farhand.common.scenario import load_scenario
 from farhand.laboratory.campaigns.sweep import Sweep
 from farhand.laboratory.simulation import simulate
 from farhand.pytest_plugin import Farhand, Settings
+from farhand.runs.scenario import load_scenario
 from farhand.trials.kernel.compare import NETWORKS, networks_of
 
 SCENARIO = """

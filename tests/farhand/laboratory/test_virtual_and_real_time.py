@@ -8,8 +8,9 @@ import pytest
 
 from farhand.cli import run
 from farhand.common.errors import SpecError
-from farhand.common.scenario import NetworkSettings, load_scenario, replace_setting
 from farhand.laboratory.simulation import simulate
+from farhand.netem.settings import NetworkSettings
+from farhand.runs.scenario import load_scenario, replace_setting
 
 TRACE = Path(__file__).resolve().parents[4] / "shared" / "traces" / "cicv5g_urban_n78_20hz.txt"
 NETWORKS = ["none", "lund-stockholm", "gaussian:50,20", "constant:200", "uniform:50,200", "5g-urban"]

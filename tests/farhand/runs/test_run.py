@@ -6,9 +6,10 @@ import msgspec
 import pytest
 
 from farhand.common.errors import InputError, SpecError
-from farhand.common.scenario import NetworkSettings, load_scenario, scenario_from_table
+from farhand.netem.settings import NetworkSettings
 from farhand.netem.spec import parse_spec
 from farhand.runs.run import Run, choose_network, read_choice
+from farhand.runs.scenario import load_scenario, scenario_from_table
 
 PLAIN = load_scenario("point-obstacle")
 

@@ -7,7 +7,6 @@ import msgspec
 import pytest
 
 from farhand.common.result_file import write_result
-from farhand.common.scenario import load_scenario
 from farhand.laboratory.simulation import simulate
 from farhand.netem.result import NetemResult
 from farhand.operator_side.result import OperatorResult
@@ -15,6 +14,7 @@ from farhand.robot_side.result import RobotResult
 from farhand.runs.results import RunResults, read_results
 from farhand.runs.run import Run, choose_network
 from farhand.runs.run_folder import summarise_results
+from farhand.runs.scenario import load_scenario
 from farhand.runs.summary import summarise, write_summary
 
 POINT = load_scenario("point-obstacle")

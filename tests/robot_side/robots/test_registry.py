@@ -8,9 +8,9 @@ import pytest
 
 from farhand.common.errors import ScenarioError
 from farhand.common.messages.scene import Obstacle
-from farhand.common.scenario import load_scenario
 from farhand.robot_side.robots import pybullet_arm
 from farhand.robot_side.robots.registry import check_scenario, make_robot
+from farhand.runs.scenario import load_scenario
 
 UR5 = load_scenario("ur5-obstacle")
 UNREACHABLE = msgspec.structs.replace(UR5, start=(3.0, 0.0, 0.5), obstacles=())
@@ -47,7 +47,7 @@ def test_the_check_leaves_no_world_behind():
 
 def test_what_needs_no_engine_loads_none():
     code = (
-        "import sys; from farhand.common.scenario import load_scenario;"
+        "import sys; from farhand.runs.scenario import load_scenario;"
         "from farhand.robot_side.robots.registry import check_scenario;"
         "[check_scenario(load_scenario(f'{name}-obstacle')) for name in ('point', 'box')];"
         "assert not {'pybullet', 'pinocchio'} & set(sys.modules)"
