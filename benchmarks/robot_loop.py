@@ -74,9 +74,9 @@ def virtual_speed(name: str) -> dict[str, float]:
     spent = processor_seconds() - started
     summary = node.summary()
     robot.close()
-    if summary["mode"] != "run" or summary["refused"]:
+    if summary.mode != "run" or summary.refused:
         raise RuntimeError(f"the robot was not driven: {summary}")
-    return {"times_real_time": VIRTUAL_SECONDS / spent, "tick": spent / summary["ticks"]}
+    return {"times_real_time": VIRTUAL_SECONDS / spent, "tick": spent / summary.ticks}
 
 
 def lateness(realtime: bool) -> dict[str, Any]:
@@ -101,7 +101,7 @@ def lateness(realtime: bool) -> dict[str, Any]:
         "p50": late.quantile(0.5),
         "p99": late.quantile(0.99),
         "max": late.max_ns * 1e-9,
-        "overruns": node.summary()["overruns"],
+        "overruns": node.summary().overruns,
     }
 
 

@@ -34,3 +34,7 @@ class RunFileError(InputError):
 
 class CertificateError(InputError):
     """A certificate folder cannot be used: incomplete, expired, or not for this."""
+
+
+class ResultError(InputError):
+    """What a program left at its end cannot be read: broken, or of another version."""

@@ -14,11 +14,15 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
+
+from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Secured, SummariseWords
+from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 
 ROLES = ("netem", "robot", "operator")
 DRIVEN, ENDED = "driven", "ended"
-RESULTS = ("operator.json", "netem.json", "robot.json", "run.mcap", "run.png", "run.pdf", "summary.json")
+RESULTS = (OPERATOR, NETEM, ROBOT, RECORDING, "run.png", "run.pdf", "summary.json")
 LOOK_EVERY = 0.2
 """How often the files are looked for (s)."""
 PATIENCE = 8.0
@@ -34,70 +38,65 @@ FAILED = Path("/tmp/failed")
 OPERATOR_PORT, ROBOT_PORT = 7447, 7448
 
 
-def words(environment: Mapping[str, str], option: str, name: str) -> list[str]:
-    """`[option, value]` of a setting, or nothing where it is not set."""
-    value = environment.get(name, "").strip()
-    return [option, value] if value else []
+def setting(environment: Mapping[str, str], name: str) -> str:
+    """A setting; empty where it is not set."""
+    return environment.get(name, "").strip()
 
 
-def choice_arguments(environment: Mapping[str, str]) -> list[str]:
-    """What the operator decides and the summary repeats."""
-    return [
-        *words(environment, "--scenario", "SCENARIO"),
-        *words(environment, "--margin", "MARGIN"),
-        *words(environment, "--predictor", "PREDICTOR"),
-        *words(environment, "--solver", "SOLVER"),
-        *words(environment, "--seed", "SEED"),
-    ]
+def choice(environment: Mapping[str, str]) -> dict[str, str]:
+    """What the operator decides and the summary repeats, by field."""
+    names = ("scenario", "margin", "predictor", "solver", "seed")
+    return {name: setting(environment, name.upper()) for name in names}
 
 
-def network_arguments(environment: Mapping[str, str]) -> list[str]:
-    """The network SPEC, and where a direction differs."""
-    return [
-        *words(environment, "--network", "NETWORK"),
-        *words(environment, "--uplink", "UPLINK"),
-        *words(environment, "--downlink", "DOWNLINK"),
-    ]
+def network(environment: Mapping[str, str]) -> dict[str, str]:
+    """The network SPEC, and where a direction differs, by field."""
+    return {name: setting(environment, name.upper()) for name in ("network", "uplink", "downlink")}
 
 
-def security(environment: Mapping[str, str]) -> tuple[str, list[str]]:
-    """Protocol and options: TLS where the container has been given certificates, else none."""
+def certificates(environment: Mapping[str, str]) -> str:
+    """The folder of the certificates that the container has been given; empty where it has none."""
     folder = environment.get("TLS", "/tls")
-    if os.path.exists(f"{folder}/cert.pem"):
-        return "tls", ["--tls", folder]
-    return "tcp", ["--insecure"]
+    return folder if os.path.exists(f"{folder}/cert.pem") else ""
 
 
 def program_arguments(role: str, folder: Path, environment: Mapping[str, str]) -> list[str]:
     """The command line of a part's program, after `farhand`."""
-    protocol, secured = security(environment)
+    folder_of_certificates = certificates(environment)
+    protocol = "tls" if folder_of_certificates else "tcp"
     operator_side = f"{protocol}/{environment.get('NETEM_AT_OPERATOR', 'netem-operator')}:{OPERATOR_PORT}"
     robot_side = f"{protocol}/{environment.get('NETEM_AT_ROBOT', 'netem-robot')}:{ROBOT_PORT}"
+    secured = Secured(tls=folder_of_certificates, insecure=not folder_of_certificates)
     if role == "netem":
-        return [
-            "netem",
-            *("--listen-operator", operator_side, "--listen-robot", robot_side),
-            *("--stats", str(folder / "netem.json")),
-            *network_arguments(environment),
-            *words(environment, "--seed", "SEED"),
-            *words(environment, "--backend", "BACKEND"),
-            *secured,
-        ]
+        return NetemWords(
+            **asdict(secured),
+            **network(environment),
+            listen_operator=operator_side,
+            listen_robot=robot_side,
+            seed=setting(environment, "SEED"),
+            stats=str(folder / NETEM),
+            backend=setting(environment, "BACKEND"),
+        ).words()
     if role == "robot":
-        return [
-            "robot",
-            *("--connect", robot_side, "--result", str(folder / "robot.json")),
-            *words(environment, "--scenario", "SCENARIO"),
-            *secured,
-        ]
-    return [
-        "operator",
-        *("--connect", operator_side, "--result", str(folder / "operator.json")),
-        *("--record", str(folder / "run.mcap")),
-        *choice_arguments(environment),
-        *words(environment, "--time-limit", "TIME_LIMIT"),
-        *secured,
-    ]
+        return RobotWords(
+            **asdict(secured),
+            scenario=setting(environment, "SCENARIO"),
+            connect=(robot_side,),
+            result=str(folder / ROBOT),
+        ).words()
+    return OperatorWords(
+        **asdict(secured),
+        **choice(environment),
+        connect=(operator_side,),
+        time_limit=setting(environment, "TIME_LIMIT"),
+        record=str(folder / RECORDING),
+        result=str(folder / OPERATOR),
+    ).words()
+
+
+def summarise_arguments(folder: Path, environment: Mapping[str, str], why: str) -> list[str]:
+    """The command line that makes the summary, after `farhand`."""
+    return SummariseWords(folder=str(folder), **choice(environment), **network(environment), why=why).words()
 
 
 class Peers:
@@ -205,9 +204,7 @@ class Part:
         """Wait for the others' results and make the summary; returns the demo's exit code."""
         results = [f"{role}.json" for role in ("netem", "robot") if why != DIED.format(role)]
         self.wait_until(lambda: all(self.exists(name) for name in results), PATIENCE)
-        arguments = ["summarise", str(self.folder), *choice_arguments(self.environment)]
-        arguments += network_arguments(self.environment) + (["--why", why] if why else [])
-        found = self.start(arguments).wait()
+        found = self.start(summarise_arguments(self.folder, self.environment, why)).wait()
         self.mark(ENDED, "")
         return found or (1 if why else 0) or code
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from farhand.common.scenario.section import Section as Section
     from farhand.laboratory.simulation import SimulationResult as SimulationResult
     from farhand.laboratory.simulation import simulate as simulate
+    from farhand.laboratory.simulation import simulate_run as simulate_run
     from farhand.netem.recordings.trace import Trace as Trace
     from farhand.netem.recordings.trace import load_trace as load_trace
     from farhand.netem.spec import Spec as Spec
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from farhand.robot_side.settings import RobotScenario as RobotScenario
     from farhand.robot_side.settings import RobotSettings as RobotSettings
     from farhand.robot_side.settings import SafetySettings as SafetySettings
+    from farhand.runs.run import Run as Run
     from farhand.runs.scenario import Scenario as Scenario
     from farhand.runs.scenario import load_scenario as load_scenario
     from farhand.runs.scenario import replace_setting as replace_setting
@@ -64,6 +66,7 @@ _HOME = {
     "Section": "common.scenario.section",
     "SimulationResult": "laboratory.simulation",
     "simulate": "laboratory.simulation",
+    "simulate_run": "laboratory.simulation",
     "Trace": "netem.recordings.trace",
     "load_trace": "netem.recordings.trace",
     "Spec": "netem.spec",
@@ -89,6 +92,7 @@ _HOME = {
     "RobotScenario": "robot_side.settings",
     "RobotSettings": "robot_side.settings",
     "SafetySettings": "robot_side.settings",
+    "Run": "runs.run",
     "Scenario": "runs.scenario",
     "load_scenario": "runs.scenario",
     "replace_setting": "runs.scenario",

@@ -5,8 +5,8 @@ time, the same bytes every time.
     def test_my_controller(farhand):
         farhand.run(controller=MyController()).check()
 
-Marker, all optional: `scenario` (name, TOML file or Scenario), `network` or `uplink` and `downlink` (SPECs),
-`seed`, `settings` (by dotted key), `time_limit` (s), `computing_time` (s).
+Marker, all optional: `scenario` (name, TOML file or Scenario), `network` or `uplink` and `downlink` (SPECs, in
+place of the scenario's own), `seed`, `settings` (by dotted key), `time_limit` (s), `computing_time` (s).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from farhand.laboratory.simulation import SimulationResult
     from farhand.operator_side.control.controller import Controller
     from farhand.robot_side.robots.robot import Robot
+    from farhand.runs.run import Run
     from farhand.runs.scenario import Scenario
     from farhand.runs.summary import RunSummary
 
@@ -50,7 +51,7 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Run:
+class FinishedRun:
     """A run and what can be demanded of it.
 
     Attributes:
@@ -100,8 +101,7 @@ class Run:
 
     def _name(self) -> str:
         s = self.summary
-        network = s.uplink if s.uplink == s.downlink else f"{s.uplink} / {s.downlink}"
-        return f"{s.scenario} over {network}, seed {s.seed}"
+        return f"{s.scenario} over {s.network}, seed {s.seed}"
 
 
 class Farhand:
@@ -112,36 +112,25 @@ class Farhand:
     """
 
     def __init__(self, settings: Settings) -> None:
-        self._settings = settings
-        self.scenario = _scenario(settings)
+        self._run = _run(settings)
+        self.scenario = self._run.scenario
 
     def run(
         self, controller: Controller | None = None, robot: Robot | None = None, seed: int | None = None
-    ) -> Run:
+    ) -> FinishedRun:
         """Run the marker's scenario in virtual time.
 
         Args:
             controller, robot: under test, fresh; None takes the scenario's.
             seed: in place of the marker's.
         """
-        from farhand.laboratory.simulation import simulate
+        import msgspec
 
-        chosen = self._settings
-        up = chosen.uplink if chosen.uplink is not None else chosen.network
-        down = chosen.downlink if chosen.downlink is not None else chosen.network
-        return Run(
-            simulate(
-                self.scenario,
-                uplink=up,
-                downlink=down,
-                seed=chosen.seed if seed is None else seed,
-                time_limit=chosen.time_limit,
-                computing_time=chosen.computing_time,
-                keep_reports=True,
-                digest=True,
-                controller=controller,
-                robot=robot,
-            )
+        from farhand.laboratory.simulation import simulate_run
+
+        run = self._run if seed is None else msgspec.structs.replace(self._run, seed=seed)
+        return FinishedRun(
+            simulate_run(run, keep_reports=True, digest=True, controller=controller, robot=robot)
         )
 
 
@@ -173,15 +162,19 @@ def farhand(request: pytest.FixtureRequest) -> Farhand:
         pytest.fail(f"@pytest.mark.farhand: {error}", pytrace=False)
 
 
-def _scenario(settings: Settings) -> Scenario:
-    from farhand.netem.spec import parse_spec
+def _run(settings: Settings) -> Run:
+    from farhand.runs.run import Run, choose_network, read_choice
     from farhand.runs.scenario import load_scenario, replace_setting
 
-    for spec in (settings.network, settings.uplink, settings.downlink):
-        if spec is not None:
-            parse_spec(spec).prepare()
     found = settings.scenario
     scenario = load_scenario(found) if isinstance(found, str) else found
     for key, value in settings.settings.items():
         scenario = replace_setting(scenario, key, value)
-    return scenario
+    choice = read_choice(settings.network, settings.uplink, settings.downlink)
+    return Run(
+        scenario=scenario,
+        network=choose_network(scenario, choice, where=found if isinstance(found, str) else ""),
+        seed=settings.seed,
+        time_limit=settings.time_limit,
+        computing_time=(settings.computing_time,),
+    )

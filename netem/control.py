@@ -14,10 +14,10 @@ from farhand.common.link.requests import MAX_REQUEST, Requests
 from farhand.common.link.requests import ask as ask_program
 from farhand.common.link.zenoh_link import check_endpoint, is_loopback, open_session
 from farhand.netem.action import Action
+from farhand.netem.endpoints import DEFAULT_ENDPOINT
 from farhand.netem.netem_node import NetemNode
 
 KEY = "farhand/netem/control"
-DEFAULT_ENDPOINT = "tcp/127.0.0.1:7449"
 
 
 def control_endpoint(text: str) -> str:

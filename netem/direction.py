@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import msgspec
+
 from farhand.common.errors import InputError
 from farhand.common.link.link import Link
 from farhand.common.messages.keys import robot_of
@@ -9,6 +11,7 @@ from farhand.netem.chain import Chain
 from farhand.netem.measure.round_trips import MAX_ROBOTS
 from farhand.netem.measure.statistics import FlowStatistics
 from farhand.netem.release_queue import Limits, ReleaseQueue
+from farhand.netem.result import DirectionResult
 from farhand.netem.spec import Spec
 
 
@@ -124,14 +127,16 @@ class Direction:
             total.merge(statistics)
         return total
 
-    def summary(self) -> dict[str, object]:
-        """Everything as plain values for JSON; durations in s."""
-        result: dict[str, object] = {"spec": str(self.chain.spec)} | self.total().summary()
-        result["robot_specs"] = {name: str(chain.spec) for name, chain in sorted(self.own_chains.items())}
+    def summary(self) -> DirectionResult:
+        """Everything that was counted so far."""
         chains = (self.chain, *self.own_chains.values())
-        result["below_zero"] = self._below_zero + sum(chain.below_zero() for chain in chains)
-        result["robots"] = {name: statistics.summary() for name, statistics in sorted(self.robots.items())}
-        return result
+        return DirectionResult(
+            **msgspec.structs.asdict(self.total().summary()),
+            spec=str(self.chain.spec),
+            robot_specs={name: str(chain.spec) for name, chain in sorted(self.own_chains.items())},
+            below_zero=self._below_zero + sum(chain.below_zero() for chain in chains),
+            robots={name: statistics.summary() for name, statistics in sorted(self.robots.items())},
+        )
 
     def _give(self, robot: str, spec: Spec) -> None:
         """A network of its own, in which the outages of the common one that run now go on."""

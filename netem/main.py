@@ -1,6 +1,5 @@
 """The emulator as a program: the proxy, the node, live control, and what they did at the end."""
 
-import json
 import os
 import signal
 import sys
@@ -15,6 +14,7 @@ from rich.console import Console
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.link.presence import answerer
 from farhand.common.messages.keys import about_key, alive_key
+from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.common.trust.tls import load_folder, watch_names
@@ -24,6 +24,7 @@ from farhand.netem.measure.metrics import MetricsServer
 from farhand.netem.measure.report import print_statistics
 from farhand.netem.netem_node import ConservationError, NetemNode
 from farhand.netem.proxy import Proxy
+from farhand.netem.result import NetemResult
 from farhand.netem.settings import NetemSettings as NetemSettings
 from farhand.netem.spec import parse_spec
 from farhand.netem.timeline import load_timeline
@@ -73,7 +74,7 @@ def run_netem(
     stop_event: threading.Event | None = None,
     console: Console | None = None,
     on_ready: Callable[[], None] | None = None,
-) -> dict[str, Any]:
+) -> NetemResult:
     """Run the emulator until `stop_event` is set; returns, prints and writes its statistics.
 
     Args:
@@ -161,17 +162,20 @@ def run_netem(
     finally:
         for each in reversed(opened):
             each.close()
-    statistics = node.statistics() | proxy.statistics()
-    statistics["seed"] = settings.seed
-    statistics["realtime_priority"] = executor.has_realtime_priority
+    statistics = msgspec.structs.replace(
+        node.statistics(),
+        **proxy.statistics(),
+        seed=settings.seed,
+        realtime_priority=executor.has_realtime_priority,
+    )
     if settings.stats:
-        Path(settings.stats).write_text(json.dumps(statistics, indent=1) + "\n", encoding="utf-8")
+        write_result(statistics, Path(settings.stats))
     if console is not None:
         print_statistics(statistics, console)
     node.check_conservation()
-    if statistics["overflowed"]:
+    if statistics.overflowed:
         raise ConservationError(
-            f"netem: {statistics['overflowed']} messages were lost before the emulator could take them: "
+            f"netem: {statistics.overflowed} messages were lost before the emulator could take them: "
             "overloaded; these losses were not drawn"
         )
     return statistics

@@ -16,6 +16,7 @@ from farhand.netem.impairments.base import Transit
 from farhand.netem.measure.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
 from farhand.netem.measure.statistics import FlowStatistics, Histogram
 from farhand.netem.release_queue import Limits
+from farhand.netem.result import NetemResult
 from farhand.netem.spec import Spec
 
 DIRECTIONS = ("uplink", "downlink")
@@ -135,19 +136,20 @@ class NetemNode:
             totals = {d.name: d.total().summary() for d in self._both}
             raise ConservationError(f"netem cannot account for every message: {totals}")
 
-    def statistics(self) -> dict[str, object]:
-        """Everything counted and measured, as plain values for JSON; durations in s."""
-        result: dict[str, object] = {}
-        for direction in self._both:
-            result[direction.name] = direction.summary()
+    def statistics(self) -> NetemResult:
+        """Everything counted and measured so far."""
         rtt = Histogram()
         for trips in self.round_trips.values():
             rtt.merge(trips.rtt)
-        result["rtt"] = rtt.summary()
-        result["rtt_by_robot"] = {name: t.rtt.summary() for name, t in sorted(self.round_trips.items())}
-        result["bypassed"] = sum(trips.bypassed for trips in self.round_trips.values())
-        result["conserved"] = self.conserved()
-        return result
+        uplink, downlink = (direction.summary() for direction in self._both)
+        return NetemResult(
+            uplink=uplink,
+            downlink=downlink,
+            rtt=rtt.summary(),
+            rtt_by_robot={name: trips.rtt.summary() for name, trips in sorted(self.round_trips.items())},
+            bypassed=sum(trips.bypassed for trips in self.round_trips.values()),
+            conserved=self.conserved(),
+        )
 
     def _start(self, origin_ns: int) -> None:
         self._started = True

@@ -6,6 +6,7 @@ both sides is noticed.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 from farhand.common.link.zenoh_link import open_session
 from farhand.common.timing.clock import SystemClock
@@ -63,8 +64,8 @@ class Proxy:
         """Zenoh ids of those connected now, by side ("operator", "robot")."""
         return {side.name: sorted(side.peers) for side in (self.operator_link, self.robot_link)}
 
-    def statistics(self) -> dict[str, object]:
-        """What the sessions count, as plain values for JSON."""
+    def statistics(self) -> dict[str, Any]:
+        """What the sessions count, by the name that it has in NetemResult."""
         sides = (self.operator_link, self.robot_link)
         return {
             "peers": self.peers(),

@@ -11,10 +11,10 @@ from farhand.netem.spec import Spec, parse_spec
 
 
 class NetworkSettings(Section, frozen=True, kw_only=True):
-    """Network SPECs for each direction, as on the command line."""
+    """Network SPECs for each direction, as on the command line, which goes before them; None: not said."""
 
-    uplink: str = "none"
-    downlink: str = "none"
+    uplink: str | None = None
+    downlink: str | None = None
 
 
 class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):

@@ -1,16 +1,18 @@
 """The robot's program: one node in one real-time loop, and its summary at the end."""
 
-import json
 import secrets
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+
+import msgspec
 
 from farhand.common.link.link import Link
+from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.robot_side.announcer import Announcer
+from farhand.robot_side.result import Lateness, RobotResult
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.settings import RobotScenario
@@ -45,11 +47,11 @@ def run_robot(
     summary_file: Path | None = None,
     realtime: bool = True,
     say: Callable[[str], None] | None = None,
-) -> dict[str, Any]:
-    """Run the scenario's robot until `stop_event` is set; returns its summary.
+) -> RobotResult:
+    """Run the scenario's robot until `stop_event` is set; returns its result.
 
-    The summary holds the trajectory and the lateness of the loop (s) as well, and is written to
-    `summary_file` as JSON. `say` takes a line for people on what happens meanwhile. Raises ScenarioError
+    The result holds the lateness of the loop as well, and is written to `summary_file`.
+    `say` takes a line for people on what happens meanwhile. Raises ScenarioError
     when the robot cannot stand at the scenario's start.
     """
     robot = make_robot(scenario)
@@ -60,17 +62,16 @@ def run_robot(
         executor = RealtimeExecutor(guarded, clock, realtime=realtime)
         guarded.stop = executor.stop
         executor.run()
-        summary = node.summary()
         late = executor.lateness
-        summary["trajectory"] = node.trajectory
-        summary["lateness"] = {
-            "p50": late.quantile(0.5),
-            "p99": late.quantile(0.99),
-            "max": late.max_ns * 1e-9,
-            "realtime_priority": executor.has_realtime_priority,
-        }
+        lateness = Lateness(
+            p50=late.quantile(0.5),
+            p99=late.quantile(0.99),
+            max=late.max_ns * 1e-9,
+            realtime_priority=executor.has_realtime_priority,
+        )
+        result = msgspec.structs.replace(node.summary(), lateness=lateness)
     finally:
         robot.close()
     if summary_file is not None:
-        summary_file.write_text(json.dumps(summary), encoding="utf-8")
-    return summary
+        write_result(result, summary_file)
+    return result

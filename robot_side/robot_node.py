@@ -11,7 +11,6 @@ The sample in a RobotState is the state at `now_ns`, before that tick's step.
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.codec import encode
@@ -21,6 +20,7 @@ from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.executor import Periodic
 from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
+from farhand.robot_side.result import RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.run_statistics import RunStatistics
 from farhand.robot_side.safety.command_intake import CommandIntake
@@ -96,25 +96,27 @@ class RobotNode:
         self._field = ObstacleField(self._obstacles, now_ns)
         self._scene_changed = True
 
-    def summary(self) -> dict[str, Any]:
-        """What happened, JSON-able; lengths in m."""
+    def summary(self) -> RobotResult:
+        """What happened so far."""
         watchdog, statistics = self.watchdog, self._statistics
-        return {
-            "min_clearance": statistics.min_clearance,
-            "min_arm_clearance": statistics.min_arm_clearance,
-            "path_length": statistics.path_length,
-            "position": list(self._sample.position),
-            "ticks": self._stepped,
-            "overruns": self._ticks.overruns,
-            "states_sent": self._state_seq,
-            "commands_received": self.intake.received,
-            "refused": self.intake.refused(),
-            "stops": watchdog.stops,
-            "holds": watchdog.holds,
-            "mode": watchdog.mode,
-            "reason": watchdog.reason,
-            "changes": [[c.t_ns, c.mode, c.reason] for c in watchdog.changes],
-        }
+        nearest = statistics.min_clearance
+        return RobotResult(
+            min_clearance=nearest if nearest < NOTHING_NEAR else None,
+            min_arm_clearance=statistics.min_arm_clearance,
+            path_length=statistics.path_length,
+            ticks=self._stepped,
+            overruns=self._ticks.overruns,
+            states_sent=self._state_seq,
+            commands_received=self.intake.received,
+            refused=self.intake.refused(),
+            stops=watchdog.stops,
+            holds=watchdog.holds,
+            position=self._sample.position,
+            mode=watchdog.mode,
+            reason=watchdog.reason,
+            changes=[(c.t_ns, c.mode, c.reason) for c in watchdog.changes],
+            trajectory=statistics.trajectory,
+        )
 
     def _tick(self, now_ns: int, periods: int) -> None:
         watchdog = self.watchdog

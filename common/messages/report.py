@@ -16,7 +16,8 @@ class ControlReport(Message, frozen=True, kw_only=True):
         tick: counts the ticks.
         mode: mode of the command sent.
         desired, filtered: velocity before and after the filter (m/s).
-        intervening: whether the filter changed the command by more than 1 mm/s.
+        intervening: whether the filter has a hand in the command: something binds, or a reason stands. This is
+            what a run's interventions count.
         position: tool position last reported (m).
         predicted: start state that the controller used (m).
         prediction_error: newest innovation (m).

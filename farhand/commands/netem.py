@@ -4,18 +4,11 @@ import json
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from farhand.commands.netem_live import register_live_commands
-from farhand.commands.netem_options import own_networks
 from farhand.commands.options import InsecureOption, TlsOption
 from farhand.common.errors import InputError
-from farhand.common.process.security import local_endpoint, secure
-from farhand.common.trust.zenoh_log import tell_refusals
-from farhand.netem.check.check import CheckSettings, run_check
-from farhand.netem.check.report import check_table
-from farhand.netem.control import DEFAULT_ENDPOINT
-from farhand.netem.main import NetemSettings, run_netem, say, stop_on_signals
+from farhand.netem.endpoints import DEFAULT_ENDPOINT
 
 netem_app = typer.Typer(
     help="Emulate a network between the operator's and the robot's side.", invoke_without_command=True
@@ -87,6 +80,13 @@ def netem(
     """Run the emulator; without a sub-command. Ctrl-C ends it and prints what it did."""
     if context.invoked_subcommand is not None:
         return
+    from rich.console import Console
+
+    from farhand.commands.netem_options import own_networks
+    from farhand.common.process.security import local_endpoint, secure
+    from farhand.common.trust.zenoh_log import tell_refusals
+    from farhand.netem.main import NetemSettings, run_netem, say, stop_on_signals
+
     if not listen_operator and not connect_operator:
         listen_operator = local_endpoint(7447, tls)
     if not listen_robot and not connect_robot:
@@ -143,6 +143,11 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Run the real proxy over loopback and compare what it did with what it drew."""
+    from rich.console import Console
+
+    from farhand.netem.check.check import CheckSettings, run_check
+    from farhand.netem.check.report import check_table
+
     found = run_check(
         CheckSettings(
             uplink=uplink or network,

@@ -4,11 +4,8 @@ import json
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
-from farhand.common.messages.keys import check_robot_name
-from farhand.netem.control import DEFAULT_ENDPOINT, ask
-from farhand.netem.measure.report import print_statistics
+from farhand.netem.endpoints import DEFAULT_ENDPOINT
 
 ControlOption = Annotated[
     str,
@@ -36,11 +33,18 @@ def show(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Show what a running emulator does: its network and its statistics."""
+    import msgspec
+    from rich.console import Console
+
+    from farhand.netem.control import ask
+    from farhand.netem.measure.report import print_statistics
+    from farhand.netem.result import NetemResult
+
     statistics = ask(control, {"do": "show"})["statistics"]
     if as_json:
         print(json.dumps(statistics))
     else:
-        print_statistics(statistics, Console())
+        print_statistics(msgspec.convert(statistics, NetemResult), Console())
 
 
 def set_network(
@@ -106,6 +110,9 @@ def common(
 
 def _change(control: str, request: dict[str, object], robot: str) -> None:
     """Ask for a change and print the networks after it."""
+    from farhand.common.messages.keys import check_robot_name
+    from farhand.netem.control import ask
+
     if robot:
         request["robot"] = check_robot_name(robot)
     found: dict[str, Any] = ask(control, request)

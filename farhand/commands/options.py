@@ -1,27 +1,33 @@
 """Options that several commands share, and what they mean."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
-from farhand.common.errors import InputError, SpecError
+from farhand.common.errors import InputError
 from farhand.common.kinds import Kinds
 from farhand.operator_side.control.registry import SOLVERS
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
-from farhand.runs.scenario import Scenario, load_scenario, replace_setting
+
+if TYPE_CHECKING:
+    from farhand.runs.run import Network
+    from farhand.runs.scenario import Scenario
 
 ScenarioOption = Annotated[
     str, typer.Option(help="Built-in scenario (see `farhand scenarios`) or TOML file.")
 ]
+DEFAULT_NETWORK = "5g-urban"
+"""Of a demo and of a simulation whose scenario says nothing of a network."""
 NetworkOption = Annotated[
-    str,
-    typer.Option(help="SPEC of both directions, e.g. constant:200 (ms), or a name from `farhand networks`."),
+    str | None,
+    typer.Option(
+        help="SPEC of both directions, e.g. constant:200 (ms), or a name from `farhand networks` "
+        f"[default: scenario's, else {DEFAULT_NETWORK}]."
+    ),
 ]
-UplinkOption = Annotated[str, typer.Option(help="SPEC from operator to robot, where it differs.")]
-DownlinkOption = Annotated[str, typer.Option(help="SPEC from robot to operator, where it differs.")]
+UplinkOption = Annotated[str | None, typer.Option(help="SPEC from operator to robot, where it differs.")]
+DownlinkOption = Annotated[str | None, typer.Option(help="SPEC from robot to operator, where it differs.")]
 MarginOption = Annotated[
     str | None, typer.Option(help=f"Safety margin: {', '.join(MARGINS.names())} [default: scenario's].")
 ]
@@ -79,8 +85,10 @@ def chosen_scenario(
     predictor: str | None,
     solver: str | None,
     settings: list[str] | None,
-) -> Scenario:
+) -> "Scenario":
     """The scenario with the options' replacements; raises InputError."""
+    from farhand.runs.scenario import load_scenario, replace_setting
+
     scenario = load_scenario(name)
     chosen: tuple[tuple[str, str | None, str, Kinds[Any]], ...] = (
         ("--margin", margin, "margin.kind", MARGINS),
@@ -96,6 +104,16 @@ def chosen_scenario(
     for setting in settings or []:
         scenario = replace_setting(scenario, *parse_setting(setting))
     return scenario
+
+
+def chosen_network(
+    scenario: "Scenario", where: str, network: str | None, uplink: str | None, downlink: str | None
+) -> "Network":
+    """The network in force for a run of `scenario`, which was asked for as `where`; raises InputError."""
+    from farhand.runs.run import choose_network, read_choice
+
+    choice = read_choice(network, uplink, downlink)
+    return choose_network(scenario, choice, default=DEFAULT_NETWORK, where=where)
 
 
 def parse_setting(setting: str) -> tuple[str, object]:
@@ -120,20 +138,11 @@ def parse_value(text: str) -> object:
         return text
 
 
-def split_network(network: str, uplink: str, downlink: str) -> tuple[str, str]:
-    """SPECs of both directions, checked; raises SpecError."""
-    from farhand.netem.spec import parse_spec
-
-    up, down = uplink or network, downlink or network
-    for spec in dict.fromkeys((up, down)):
-        if not spec.strip():
-            raise SpecError("network '': at character 1: expected a SPEC such as constant:200 or none")
-        parse_spec(spec).prepare()
-    return up, down
-
-
 def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
+    from rich.console import Console
+    from rich.table import Table
+
     table = Table.grid(padding=(0, 2))
     for name, line in rows:
         table.add_row(f"[bold]{name}[/bold]", line)

@@ -18,8 +18,8 @@ from farhand.commands.options import (
     TimeLimitOption,
     TimelineOption,
     UplinkOption,
+    chosen_network,
     chosen_scenario,
-    split_network,
 )
 
 OutOption = Annotated[
@@ -29,9 +29,9 @@ OutOption = Annotated[
 
 def demo(
     scenario: ScenarioOption = "ur5-obstacle",
-    network: NetworkOption = "5g-urban",
-    uplink: UplinkOption = "",
-    downlink: DownlinkOption = "",
+    network: NetworkOption = None,
+    uplink: UplinkOption = None,
+    downlink: DownlinkOption = None,
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
@@ -47,27 +47,24 @@ def demo(
     Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
     """
     from farhand.demo.demo import run_demo
+    from farhand.runs.run import Run
 
     chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
-    up, down = split_network(network, uplink, downlink)
-    code = run_demo(
-        chosen,
-        uplink=up,
-        downlink=down,
+    run = Run(
+        scenario=chosen,
+        network=chosen_network(chosen, scenario, network, uplink, downlink),
         seed=seed,
         time_limit=time_limit,
         timeline=timeline,
-        out=out,
-        as_json=as_json,
     )
-    raise typer.Exit(code)
+    raise typer.Exit(run_demo(run, out=out, as_json=as_json))
 
 
 def simulate(
     scenario: ScenarioOption = "ur5-obstacle",
-    network: NetworkOption = "5g-urban",
-    uplink: UplinkOption = "",
-    downlink: DownlinkOption = "",
+    network: NetworkOption = None,
+    uplink: UplinkOption = None,
+    downlink: DownlinkOption = None,
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
@@ -83,29 +80,26 @@ def simulate(
 ) -> None:
     """Run one task in virtual time: the same nodes, summary and figure as the demo, in a fraction of the time."""
     from farhand.laboratory.simulate_run import run_simulation
+    from farhand.runs.run import Run
 
     chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
-    up, down = split_network(network, uplink, downlink)
-    code = run_simulation(
-        chosen,
-        uplink=up,
-        downlink=down,
+    run = Run(
+        scenario=chosen,
+        network=chosen_network(chosen, scenario, network, uplink, downlink),
         seed=seed,
         time_limit=time_limit,
-        computing_time=computing_time / 1000.0,
+        computing_time=(computing_time / 1000.0,),
         timeline=timeline,
-        out=out,
-        as_json=as_json,
     )
-    raise typer.Exit(code)
+    raise typer.Exit(run_simulation(run, out=out, as_json=as_json))
 
 
 def summarise(
     folder: Annotated[Path, typer.Argument(help="Folder with operator.json, netem.json, robot.json.")],
     scenario: ScenarioOption = "ur5-obstacle",
-    network: NetworkOption = "5g-urban",
-    uplink: UplinkOption = "",
-    downlink: DownlinkOption = "",
+    network: NetworkOption = None,
+    uplink: UplinkOption = None,
+    downlink: DownlinkOption = None,
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
@@ -119,11 +113,15 @@ def summarise(
     Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
     """
     from farhand.runs.conclude import run_summarise
+    from farhand.runs.run import Run
 
     chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
-    up, down = split_network(network, uplink, downlink)
-    code = run_summarise(folder, chosen, uplink=up, downlink=down, seed=seed, why=why, as_json=as_json)
-    raise typer.Exit(code)
+    run = Run(
+        scenario=chosen,
+        network=chosen_network(chosen, scenario, network, uplink, downlink),
+        seed=seed,
+    )
+    raise typer.Exit(run_summarise(run, folder, why=why, as_json=as_json))
 
 
 def scenarios() -> None:

@@ -2,24 +2,16 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
 from farhand.common.errors import InputError
-from farhand.common.seeds import stream
-from farhand.common.timing.clock import SystemClock
-from farhand.netem.main import stop_on_signals
-from farhand.netem.models.fit import fit_model, model_quantiles, save_model
-from farhand.netem.models.model import DelayModel
-from farhand.netem.recordings.formats.base import Kind
-from farhand.netem.recordings.record import RecordSettings, Reflector, record
-from farhand.netem.recordings.statistics import autocorrelation, draw_trace
-from farhand.netem.recordings.trace import QUANTILES, Gap, Trace, load_trace
-from farhand.netem.recordings.write import write_trace
+
+if TYPE_CHECKING:
+    from farhand.netem.models.model import DelayModel
+    from farhand.netem.recordings.formats.base import Kind
+    from farhand.netem.recordings.trace import Gap, Trace
 
 trace_app = typer.Typer(
     help="Recorded network delays: show, record, fit a model, convert.", no_args_is_help=True
@@ -38,15 +30,17 @@ GapOption = Annotated[
 ]
 
 
-def _load(file: Path, format: str, unit: str, column: str, period: float, kind: str, gap: str) -> Trace:
+def _load(file: Path, format: str, unit: str, column: str, period: float, kind: str, gap: str) -> "Trace":
+    from farhand.netem.recordings.trace import load_trace
+
     return load_trace(
         file,
         format=format or None,
         unit=unit or None,
         column=column or None,
         period=period / 1000 if period else None,
-        kind=cast(Kind, kind) if kind else None,
-        gap=cast(Gap, gap),
+        kind=cast("Kind", kind) if kind else None,
+        gap=cast("Gap", gap),
     )
 
 
@@ -63,6 +57,13 @@ def show(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON (s) instead of tables.")] = False,
 ) -> None:
     """Percentiles, loss and autocorrelation of a trace, and a figure of it."""
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    from farhand.netem.recordings.statistics import autocorrelation, draw_trace
+    from farhand.netem.recordings.trace import QUANTILES
+
     trace = _load(file, format, unit, column, period, kind, gap)
     summary = trace.summary()
     correlation = autocorrelation(trace.recorded)
@@ -114,6 +115,11 @@ def record_command(
     On the one host: `farhand trace record --listen tcp/0.0.0.0:7450`. On the other:
     `farhand trace record --connect tcp/FIRST:7450 --rate 50 --size 300 --seconds 20 --out path.csv`.
     """
+    from farhand.common.timing.clock import SystemClock
+    from farhand.netem.main import stop_on_signals
+    from farhand.netem.recordings.record import RecordSettings, Reflector, record
+    from farhand.netem.recordings.write import write_trace
+
     stop = stop_on_signals()
     if not connect:
         if not listen:
@@ -153,6 +159,13 @@ def fit(
     """Fit a seeded model (jitter, slow or held episodes, outages, loss) and compare it with the recording."""
     if seed < 0:
         raise InputError(f"--seed {seed}: must not be negative")
+    from rich.console import Console
+    from rich.table import Table
+
+    from farhand.common.seeds import stream
+    from farhand.netem.models.fit import fit_model, model_quantiles, save_model
+    from farhand.netem.recordings.trace import QUANTILES
+
     trace = _load(file, format, unit, column, period, kind, gap)
     model = fit_model(trace)
     step = (trace.duration or 0.0) / len(trace.recorded)
@@ -191,6 +204,8 @@ def convert(
     gap: GapOption = "loss",
 ) -> None:
     """Write a trace in another format."""
+    from farhand.netem.recordings.write import write_trace
+
     trace = _load(file, format, unit, column, period, kind, gap)
     write_trace(trace, target, to, unit=to_unit, period=slot / 1000 if slot else None)
     typer.echo(f"{target}: {len(trace.recorded)} samples read, written as {to}")
@@ -200,7 +215,7 @@ def _milliseconds(value: float | int | str | None) -> str:
     return f"{float(value) * 1e3:.4g}" if isinstance(value, float | int) else "-"
 
 
-def _describe(model: DelayModel) -> list[str]:
+def _describe(model: "DelayModel") -> list[str]:
     lines = [f"floor {model.floor * 1e3:.4g} ms, {100 * model.loss:.2f} % single losses"]
     if model.jitter is not None:
         jitter = model.jitter

@@ -11,101 +11,44 @@ from farhand.common.process.signals import stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
-from farhand.netem.timeline import load_timeline
+from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
 from farhand.programs.wiring import OPERATOR_NAME
-from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.robots.registry import check_scenario
 from farhand.runs.conclude import conclude
-from farhand.runs.run_folder import (
-    NETEM,
-    OPERATOR,
-    RECORDING,
-    ROBOT,
-    make_run_folder,
-    write_scenario,
-)
-from farhand.runs.scenario import Scenario
+from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
+from farhand.runs.run import Run
+from farhand.runs.run_folder import make_run_folder, write_scenario
 
 INTERRUPTED = "interrupted"
 NAMES = ("netem", "robot", "operator")
 
 
-def run_demo(
-    scenario: Scenario,
-    *,
-    uplink: str,
-    downlink: str,
-    seed: int,
-    time_limit: float,
-    timeline: str | None,
-    out: Path | None,
-    as_json: bool,
-) -> int:
-    """Run the demo; returns its exit code: 0 safe and finished, 1 otherwise."""
-    make_robot(scenario).close()  # raises now, in one line, if the robot cannot stand at the start
-    if timeline:
-        load_timeline(timeline)
-    folder = make_run_folder(out, scenario.name)
+def run_demo(run: Run, *, out: Path | None, as_json: bool) -> int:
+    """Run the demo; returns its exit code: 0 safe and finished, 1 otherwise.
+
+    Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
+    """
+    check_scenario(run.scenario)
+    run.check()
+    folder = make_run_folder(out, run.scenario.name)
     stop_event = stop_event_on_signals()
     console = Console(file=sys.stderr if as_json else sys.stdout)
-    network = uplink if uplink == downlink else f"{uplink} / {downlink}"
-    why = _run_programs(
-        scenario,
-        folder=folder,
-        uplink=uplink,
-        downlink=downlink,
-        seed=seed,
-        time_limit=time_limit,
-        timeline=timeline,
-        stop_event=stop_event,
-        view=StatusView(f"{scenario.name} over {network}, margin {scenario.margin.kind}", console),
-    )
-    code = conclude(
-        folder, scenario, console, uplink=uplink, downlink=downlink, seed=seed, why=why, as_json=as_json
-    )
+    title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
+    why = _run_programs(run, folder, stop_event, StatusView(title, console))
+    code = conclude(run, folder, console, why=why, as_json=as_json)
     return 1 if why == INTERRUPTED else code
 
 
-def _run_programs(
-    scenario: Scenario,
-    *,
-    folder: Path,
-    uplink: str,
-    downlink: str,
-    seed: int,
-    time_limit: float,
-    timeline: str | None,
-    stop_event: threading.Event,
-    view: StatusView,
-) -> str:
+def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: StatusView) -> str:
     """Start the three, show their progress, end them; returns what went wrong, or nothing."""
     clock = SystemClock()
-    name = scenario.robot.kind
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
-    settings = str(write_scenario(scenario, folder))
     children = Children(folder, clock)
     reader: ReportReader | None = None
     try:
-        netem = [
-            "--listen-operator",
-            operator_side,
-            "--listen-robot",
-            robot_side,
-            "--stats",
-            str(folder / NETEM),
-        ]
-        emulated = ["--uplink", uplink, "--downlink", downlink, "--seed", str(seed)]
-        if timeline:
-            emulated += ["--timeline", timeline]
-        task = ["--scenario", settings, "--robot", name]
-        named = ["--name", OPERATOR_NAME]
-        reporting = ["--report", report, "--seed", str(seed), "--time-limit", str(time_limit)]
-        files = ["--record", str(folder / RECORDING), "--result", str(folder / OPERATOR)]
-        children.start("netem", ["netem", *netem, *emulated])
-        children.start("robot", ["robot", *task, "--connect", robot_side, "--result", str(folder / ROBOT)])
-        children.start(
-            "operator", ["operator", *named, *task, "--connect", operator_side, *reporting, *files]
-        )
-        reader = ReportReader(report, name, clock)
+        for words in _words(run, folder, operator_side, robot_side, report):
+            children.start(words.COMMAND, words.words())
+        reader = ReportReader(report, run.scenario.robot.kind, clock)
         start_ns = clock.now_ns()
         with view:
             while True:
@@ -120,6 +63,34 @@ def _run_programs(
     if stop_event.is_set():
         return INTERRUPTED
     return _what_died(ended, children)
+
+
+def _words(run: Run, folder: Path, operator_side: str, robot_side: str, report: str) -> list[Words]:
+    """The command lines of the three programs, in the order of their start."""
+    scenario, robot = str(write_scenario(run, folder)), run.scenario.robot.kind
+    return [
+        NetemWords(
+            listen_operator=operator_side,
+            listen_robot=robot_side,
+            uplink=run.network.uplink.text,
+            downlink=run.network.downlink.text,
+            seed=run.seed,
+            timeline=run.timeline,
+            stats=str(folder / NETEM),
+        ),
+        RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(folder / ROBOT)),
+        OperatorWords(
+            name=OPERATOR_NAME,
+            scenario=scenario,
+            robot=robot,
+            connect=(operator_side,),
+            report=report,
+            seed=run.seed,
+            time_limit=run.time_limit,
+            record=str(folder / RECORDING),
+            result=str(folder / OPERATOR),
+        ),
+    ]
 
 
 def _what_died(ended: dict[str, int], children: Children) -> str:

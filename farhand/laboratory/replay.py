@@ -23,9 +23,9 @@ from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 from farhand.programs.wiring import make_operator, versions
+from farhand.runs.files import RECORDING
 from farhand.runs.scenario import Scenario, replace_setting, scenario_from_table
 
-RECORDING = "run.mcap"
 SECTIONS = ("controller", "margin", "operator")
 """Settings that a replay can change: those of the deciding side."""
 

@@ -1,7 +1,7 @@
 """The laboratory: operator, network and robot in one process under a virtual clock.
 
 The nodes are those of the programs, made by the same wiring, joined by in-memory links. Nothing here reads a
-clock: the same scenario, network and seed give the same bytes.
+clock: the same run gives the same bytes.
 """
 
 import hashlib
@@ -9,15 +9,19 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, TypedDict
 
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.recorder import RunInfo, RunRecorder
+from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
+from farhand.netem.result import NetemResult
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
+from farhand.operator_side.result import OperatorResult, Tally
 from farhand.programs.wiring import (
     OPERATOR_NAME,
     make_netem,
@@ -26,13 +30,17 @@ from farhand.programs.wiring import (
     session_of,
     versions,
 )
+from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
-from farhand.runs.scenario import Scenario, scenario_to_table
-from farhand.runs.summary import RunSummary, Tally, summarise
+from farhand.runs.results import RunResults
+from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run, choose_network, read_choice
+from farhand.runs.scenario import Scenario
+from farhand.runs.summary import RunSummary, summarise
 
-COMPUTING_TIME = 0.02
-"""Modelled duration of a control tick (s): zero would flatter the controller."""
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 START_NS = 1_000_000_000
 
 Trajectory = list[tuple[float, float, float, float, float]]
@@ -43,16 +51,170 @@ class SimulationResult:
     """Attributes:
     summary: see RunSummary.
     trajectory: (t, x, y, z, clearance) at 50 Hz at most; t in s from the robot's start, m.
-    reports: of every tick, where asked for.
     digest: SHA-256 over every message that left or reached the operator, in order.
     network: the emulator's statistics.
+    reports: of every tick, where asked for.
     """
 
     summary: RunSummary
     trajectory: Trajectory
     digest: str
-    network: dict[str, object]
+    network: NetemResult
     reports: list[ControlReport] = field(default_factory=list)
+
+
+class Options(TypedDict, total=False):
+    """What a simulation keeps, and what takes the place of the scenario's own.
+
+    Attributes:
+        keep_reports: keep every ControlReport.
+        record_to: file for a recording that can be replayed.
+        digest: hash every message.
+        controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
+    """
+
+    keep_reports: bool
+    record_to: Path | None
+    digest: bool
+    controller: Controller | None
+    robot: Robot | None
+
+
+def simulate(
+    scenario: Scenario,
+    *,
+    uplink: str | None = None,
+    downlink: str | None = None,
+    seed: int = 0,
+    time_limit: float = TIME_LIMIT,
+    computing_time: float = COMPUTING_TIME,
+    timeline: str | None = None,
+    **options: "Unpack[Options]",
+) -> SimulationResult:
+    """Run one task in virtual time.
+
+    Args:
+        scenario: what to do.
+        uplink, downlink: SPECs; None takes the scenario's, and `none` where it has none.
+        seed: of every random stream.
+        time_limit: of the task, from the first motion command (s).
+        computing_time: of a control tick (s).
+        timeline: TOML file of changes of the network at given times.
+        options: see Options.
+
+    Raises InputError: a SPEC, a file or the robot's start makes no sense.
+    """
+    run = Run(
+        scenario=scenario,
+        network=choose_network(scenario, read_choice(uplink=uplink, downlink=downlink)),
+        seed=seed,
+        time_limit=time_limit,
+        computing_time=(computing_time,),
+        timeline=timeline,
+    )
+    return simulate_run(run, **options)
+
+
+def simulate_run(run: Run, **options: "Unpack[Options]") -> SimulationResult:
+    """Do a run in virtual time; for the options, see Options."""
+    with ExitStack() as closing:
+        return _World(run, options, closing).run()
+
+
+class _World:
+    """The three nodes, joined; `run` runs them to the end.
+
+    Args:
+        run: what to do.
+        options: see Options.
+        closing: takes what is to be closed in the end.
+    """
+
+    def __init__(self, run: Run, options: Options, closing: ExitStack) -> None:
+        self._run = run
+        self._keep_reports = options.get("keep_reports", False)
+        self._executor = VirtualExecutor(START_NS)
+        self._hasher = hashlib.sha256()
+        self._tally, self._reports = Tally(), list[ControlReport]()
+        operator_end, netem_operator_end = self._executor.wire()
+        netem_robot_end, robot_end = self._executor.wire()
+        if options.get("digest", False):
+            _hash_traffic(operator_end, self._hasher.update)
+        self._robot = self._make_robot(robot_end, options.get("robot"), closing)
+        self._netem = make_netem(netem_operator_end, netem_robot_end, run)
+        self._operator = self._make_operator(operator_end, options, closing)
+        self._add_nodes()
+        for link in (netem_operator_end, netem_robot_end):
+            self._executor.wake_on_message(self._netem, link)
+
+    def run(self) -> SimulationResult:
+        """Until all is done, or the time is up."""
+        run, operator = self._run, self._operator
+        end_ns = _run(self._executor, operator, to_ns(run.time_limit))
+        self._netem.check_conservation()
+        results = RunResults(
+            operator=self._operator_result(end_ns),
+            netem=self._netem.statistics(),
+            robot=self._robot.summary(),
+        )
+        why = "" if operator.finished else _why(self._tally, run.time_limit)
+        summary = summarise(run, results, real_time=False, why=why)
+        assert results.netem is not None
+        return SimulationResult(
+            summary, self._robot.trajectory, self._hasher.hexdigest(), results.netem, self._reports
+        )
+
+    def _make_robot(self, link: MemoryLink, robot: Robot | None, closing: ExitStack) -> RobotNode:
+        scenario = self._run.scenario
+        if robot is None:
+            robot = make_robot(scenario)
+            closing.callback(robot.close)  # a world of PyBullet is 30 MB that stay otherwise
+        return make_robot_node(
+            scenario, link, scenario.robot.kind, session_of(self._run.seed, "robot"), robot
+        )
+
+    def _make_operator(self, link: MemoryLink, options: Options, closing: ExitStack) -> OperatorNode:
+        scenario, name = self._run.scenario, self._run.scenario.robot.kind
+        controller = options.get("controller")
+        if controller is None:
+            controller = make_controller(scenario.controller)
+        controller.prepare()
+        self._solver = controller.settings.solver
+        session = session_of(self._run.seed, "operator")
+        operator = make_operator(scenario, link, OperatorIdentity(name, session, OPERATOR_NAME), controller)
+        recorder = _recorder(options.get("record_to"), self._run, session)
+        if recorder is not None:
+            closing.callback(recorder.close)
+        operator.recorder = recorder
+        return operator
+
+    def _add_nodes(self) -> None:
+        executor = self._executor
+        executor.add(self._robot, Priority.ROBOT)
+        executor.add(self._netem, Priority.NETEM)
+        executor.add(_TallyingOperator(self._operator, self._look), Priority.OPERATOR, _cost(self._run))
+
+    def _look(self, report: ControlReport) -> None:
+        self._tally.add(report)
+        if self._keep_reports:
+            self._reports.append(report)
+
+    def _operator_result(self, end_ns: int) -> OperatorResult:
+        operator, tally = self._operator, self._tally
+        since_ns = operator.driving_since_ns
+        rtt_mean, rtt_std = operator.round_trip.overall()
+        return OperatorResult(
+            finished=operator.finished,
+            duration=to_seconds(end_ns - since_ns) if since_ns is not None else 0.0,
+            rtt_mean=rtt_mean,
+            rtt_std=rtt_std,
+            ticks=tally.ticks,
+            interventions=tally.interventions,
+            infeasible=tally.infeasible,
+            overruns=tally.last.overruns if tally.last is not None else 0,
+            solver=self._solver,
+            last_report=tally.last,
+        )
 
 
 class _TallyingOperator:
@@ -70,94 +232,6 @@ class _TallyingOperator:
         return next_ns
 
 
-def simulate(
-    scenario: Scenario,
-    *,
-    uplink: str | None = None,
-    downlink: str | None = None,
-    seed: int = 0,
-    time_limit: float = 90.0,
-    computing_time: float | Callable[[], float] = COMPUTING_TIME,
-    keep_reports: bool = False,
-    record_to: Path | None = None,
-    digest: bool = False,
-    timeline: str | None = None,
-    controller: Controller | None = None,
-    robot: Robot | None = None,
-) -> SimulationResult:
-    """Run one task in virtual time.
-
-    Args:
-        scenario: what to do.
-        uplink, downlink: SPECs; None takes the scenario's.
-        seed: of every random stream.
-        time_limit: of the task, from the first motion command (s).
-        computing_time: of a control tick (s), constant or drawn for each.
-        keep_reports: keep every ControlReport.
-        record_to: file for a recording that can be replayed.
-        digest: hash every message.
-        timeline: TOML file of changes of the network at given times.
-        controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
-    """
-    uplink = scenario.network.uplink if uplink is None else uplink
-    downlink = scenario.network.downlink if downlink is None else downlink
-    name = scenario.robot.kind
-    executor = VirtualExecutor(START_NS)
-    operator_end, netem_operator_end = executor.wire()
-    netem_robot_end, robot_end = executor.wire()
-    hasher = hashlib.sha256()
-    if digest:
-        _hash_traffic(operator_end, hasher.update)
-    with ExitStack() as closing:
-        if robot is None:
-            robot = make_robot(scenario)
-            closing.callback(robot.close)  # a world of PyBullet is 30 MB that stay otherwise
-        robot_node = make_robot_node(scenario, robot_end, name, session_of(seed, "robot"), robot)
-        netem = make_netem(netem_operator_end, netem_robot_end, uplink, downlink, seed, timeline)
-        session = session_of(seed, "operator")
-        controller = make_controller(scenario.controller) if controller is None else controller
-        controller.prepare()
-        operator = make_operator(
-            scenario, operator_end, OperatorIdentity(name, session, OPERATOR_NAME), controller
-        )
-        recorder = _recorder(record_to, scenario, name, session, seed)
-        if recorder is not None:
-            closing.callback(recorder.close)
-        operator.recorder = recorder
-        tally, reports = Tally(), []
-
-        def look(report: ControlReport) -> None:
-            tally.add(report)
-            if keep_reports:
-                reports.append(report)
-
-        executor.add(robot_node, Priority.ROBOT)
-        executor.add(netem, Priority.NETEM)
-        executor.add(_TallyingOperator(operator, look), Priority.OPERATOR, _cost(computing_time))
-        for link in (netem_operator_end, netem_robot_end):
-            executor.wake_on_message(netem, link)
-        end_ns = _run(executor, operator, to_ns(time_limit))
-        netem.check_conservation()
-        since = operator.driving_since_ns
-        summary = summarise(
-            scenario,
-            seed=seed,
-            uplink=uplink,
-            downlink=downlink,
-            tally=tally,
-            robot=robot_node.summary(),
-            finished=operator.finished,
-            duration=to_seconds(end_ns - since) if since is not None else 0.0,
-            rtt=operator.round_trip.overall(),
-            solver=controller.settings.solver,
-            real_time=False,
-            why="" if operator.finished else _why(tally, time_limit),
-        )
-        return SimulationResult(
-            summary, robot_node.trajectory, hasher.hexdigest(), netem.statistics(), reports
-        )
-
-
 def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int) -> int:
     """Until finished, or the limit after the first motion command (or after the start, if there is none)."""
     start_ns = executor.clock.now_ns()
@@ -167,12 +241,14 @@ def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int) -> in
     return executor.clock.now_ns()
 
 
-def _cost(computing_time: float | Callable[[], float]) -> Callable[[], int]:
-    if callable(computing_time):
-        draw = computing_time
-        return lambda: to_ns(draw())
-    constant = to_ns(computing_time)
-    return lambda: constant
+def _cost(run: Run) -> Callable[[], int]:
+    """The modelled duration of each tick (ns)."""
+    samples = [to_ns(sample) for sample in run.computing_time]
+    if len(samples) == 1:
+        constant = samples[0]
+        return lambda: constant
+    draw = stream(run.seed, "computing-time")
+    return lambda: samples[int(draw.integers(len(samples)))]
 
 
 def _why(tally: Tally, time_limit: float) -> str:
@@ -183,18 +259,16 @@ def _why(tally: Tally, time_limit: float) -> str:
     return f"not finished within {time_limit:g} s: {reached} of {count} targets reached{reason}"
 
 
-def _recorder(
-    path: Path | None, scenario: Scenario, name: str, session: int, seed: int
-) -> RunRecorder | None:
+def _recorder(path: Path | None, run: Run, session: int) -> RunRecorder | None:
     if path is None:
         return None
     info = RunInfo(
-        scenario=scenario_to_table(scenario),
-        robot=name,
+        scenario=run.table(),
+        robot=run.scenario.robot.kind,
         session=session,
-        seed=seed,
+        seed=run.seed,
         versions=versions(),
-        solver=scenario.controller.solver,
+        solver=run.scenario.controller.solver,
     )
     return RunRecorder(path, info)
 

@@ -10,8 +10,6 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-import msgspec
-
 from farhand.common.errors import EndpointError, InputError
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.keys import check_robot_name, command_key, description_key, scene_key, state_key
@@ -20,16 +18,16 @@ from farhand.common.process.security import guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.systemd import tell_systemd
 from farhand.common.recording.recorder import RunInfo, RunRecorder
+from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock, processor_seconds
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import run_operator
 from farhand.operator_side.operator_node import OperatorIdentity
+from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
 from farhand.programs.wiring import make_operator, versions
 from farhand.robot_side.main import run_robot
-from farhand.runs.results import OperatorResult
 from farhand.runs.scenario import Scenario, scenario_to_table
-from farhand.runs.summary import Tally
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
 
@@ -69,7 +67,7 @@ def operator_program(
     report_link = ZenohLink(report_session, [], clock) if report_session is not None else None
     where = ", ".join([*connect, *listen])
     tally = Tally()
-    series: list[tuple[float, float | None, float, float, float | None]] = []
+    series: list[Sample] = []
     with ExitStack() as closing:
         if report_link is not None:
             closing.callback(report_link.close)
@@ -116,8 +114,7 @@ def operator_program(
         def watch(seen: ControlReport) -> None:
             nonlocal said
             tally.add(seen)
-            t = (seen.t_sent_ns - (node.driving_since_ns or seen.t_sent_ns)) * 1e-9
-            series.append((t, seen.rtt, seen.sigma, seen.inflation, seen.clearance))
+            series.append(sample_of(seen, node.driving_since_ns or seen.t_sent_ns))
             handover.serve(seen.t_sent_ns)
             if seen.stop_reason != said:
                 said = seen.stop_reason
@@ -151,7 +148,7 @@ def operator_program(
             series=series,
             last_report=tally.last,
         )
-        result.write_bytes(msgspec.json.encode(found))
+        write_result(found, result)
     say("operator", "finished" if outcome.finished else "ended before the last target")
     return 0 if outcome.finished else 1
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from farhand.common.link.link import Link
 from farhand.common.seeds import stream
 from farhand.netem.netem_node import NetemNode
-from farhand.netem.spec import parse_spec
 from farhand.netem.timeline import load_timeline
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
@@ -16,6 +15,7 @@ from farhand.operator_side.steering.registry import make_device
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
+from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario
 
 OPERATOR_NAME = "operator"
@@ -40,13 +40,13 @@ def make_operator(
     return OperatorNode(scenario, controller, device, link, who, stopwatch)
 
 
-def make_netem(
-    operator_link: Link, robot_link: Link, uplink: str, downlink: str, seed: int, timeline: str | None = None
-) -> NetemNode:
-    """The emulated network between two links, from SPECs and the file of a timeline of changes."""
-    schedule = load_timeline(timeline) if timeline else None
-    specs = parse_spec(uplink), parse_spec(downlink)
-    return NetemNode(operator_link, robot_link, *specs, seed, schedule=schedule)
+def make_netem(operator_link: Link, robot_link: Link, run: Run) -> NetemNode:
+    """The run's emulated network between two links."""
+    schedule = load_timeline(run.timeline) if run.timeline else None
+    network = run.network
+    return NetemNode(
+        operator_link, robot_link, network.uplink.spec, network.downlink.spec, run.seed, schedule=schedule
+    )
 
 
 def make_robot_node(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from farhand.common.geometry import Array
+from farhand.operator_side.result import Sample
 from farhand.runs.scenario import Scenario
 from farhand.runs.summary import RunSummary
 
@@ -25,7 +26,7 @@ STYLE: dict[Any, Any] = {
 AXES = "xyz"
 
 Trajectory = Sequence[Sequence[float]]
-Series = Sequence[tuple[float, float | None, float, float, float | None]]
+Series = Sequence[Sample]
 
 
 def draw_run(
@@ -63,9 +64,6 @@ def draw_run(
 
 
 def _title(summary: RunSummary) -> str:
-    network = (
-        summary.uplink if summary.uplink == summary.downlink else f"{summary.uplink} / {summary.downlink}"
-    )
     least = (
         "no obstacle"
         if summary.min_clearance is None
@@ -74,7 +72,7 @@ def _title(summary: RunSummary) -> str:
     verdict = ("safe" if summary.safe else "NOT SAFE") + (
         ", finished" if summary.finished else ", NOT FINISHED"
     )
-    return f"{summary.scenario} over {network}, margin {summary.margin}: {verdict}, {least}"
+    return f"{summary.scenario} over {summary.network}, margin {summary.margin}: {verdict}, {least}"
 
 
 def plane_of(scenario: Scenario, path: Array) -> tuple[int, int]:

@@ -1,12 +1,12 @@
 """How a run ended, for people and as JSON."""
 
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from farhand.netem.result import NetemCounts
 from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
 
@@ -18,7 +18,6 @@ def print_outcome(
     console: Console,
     *,
     as_json: bool,
-    network: dict[str, Any] | None = None,
 ) -> None:
     """Print the summary; with `as_json`, the last line on stdout is the summary as JSON."""
     console.print(_verdict(summary))
@@ -27,7 +26,7 @@ def print_outcome(
     table.add_column()
     for label, text in _rows(summary):
         table.add_row(label, text)
-    drawn = _drawn_against_achieved(network or {})
+    drawn = _drawn_against_achieved(summary.counts.netem)
     if drawn:
         table.add_row("netem", drawn)
     console.print(table)
@@ -74,13 +73,11 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
     ]
 
 
-def _drawn_against_achieved(network: dict[str, Any]) -> str:
+def _drawn_against_achieved(netem: NetemCounts | None) -> str:
     """`up 52.1 drawn, 52.2 achieved; down ...` in ms, from the emulator's statistics."""
-    parts = []
-    for direction, label in (("uplink", "up"), ("downlink", "down")):
-        found = network.get(direction, {})
-        drawn, achieved = found.get("drawn", {}).get("mean"), found.get("achieved", {}).get("mean")
-        if drawn is None or achieved is None:
-            continue
-        parts.append(f"{label} {drawn * 1e3:.2f} ms drawn, {achieved * 1e3:.2f} ms achieved")
-    return "; ".join(parts)
+    if netem is None:
+        return ""
+    return "; ".join(
+        f"{label} {way.drawn.mean * 1e3:.2f} ms drawn, {way.achieved.mean * 1e3:.2f} ms achieved"
+        for label, way in (("up", netem.uplink), ("down", netem.downlink))
+    )

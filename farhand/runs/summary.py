@@ -1,21 +1,20 @@
 """The summary of a run: was it safe, did it finish, and how did the network do."""
 
 import json
-import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
-from farhand.common.messages.report import ControlReport
-from farhand.runs.scenario import Scenario
-
-NO_OBSTACLE = 1e5
+from farhand.operator_side.result import OperatorResult
+from farhand.robot_side.result import RobotResult
+from farhand.runs.files import SUMMARY
+from farhand.runs.results import Counts, RunResults
+from farhand.runs.run import Run
 
 
 class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """SI units.
+    """SI units. The figures that decide stand here by name; every counter of the programs stands in `counts`.
 
     Attributes:
         safe: the true clearance never fell below d_min, and no link of an arm touched an obstacle.
@@ -25,7 +24,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         d_min: distance to keep (m).
         duration: from the first motion command to the last target, or to the end (s).
         rtt_mean, rtt_std: measured network round trip with computing (s).
-        interventions: ticks in which an obstacle or a failed solve changed the command.
+        interventions: ticks in which something binds or a reason stands (see ControlReport.intervening).
         infeasible: ticks in which the solver found no plan that meets every constraint.
         stops: latched stops of the robot.
         refused: commands that the robot refused.
@@ -33,6 +32,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         solver: what solved.
         real_time: run against the wall clock, as separate programs.
         why: what went wrong, in words; empty otherwise.
+        counts: all that operator, netem and robot counted and measured.
     """
 
     safe: bool
@@ -63,84 +63,63 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     solver: str
     real_time: bool
     why: str = ""
+    counts: Counts = Counts()
 
     @property
     def exit_code(self) -> int:
         """0 safe and finished, else 1."""
         return 0 if self.safe and self.finished else 1
 
-
-class Tally:
-    """Counts what the reports of a run say."""
-
-    def __init__(self) -> None:
-        self.ticks = 0
-        self.interventions = 0
-        self.infeasible = 0
-        self.last: ControlReport | None = None
-
-    def add(self, report: ControlReport) -> None:
-        """Count one tick."""
-        self.ticks += 1
-        self.interventions += report.intervening
-        self.infeasible += report.status not in ("optimal", "shortcut", "idle")
-        self.last = report
+    @property
+    def network(self) -> str:
+        """`5g-urban`, or `UPLINK / DOWNLINK` where they differ."""
+        return self.uplink if self.uplink == self.downlink else f"{self.uplink} / {self.downlink}"
 
 
-def summarise(
-    scenario: Scenario,
-    *,
-    seed: int,
-    uplink: str,
-    downlink: str,
-    tally: Tally,
-    robot: dict[str, Any],
-    finished: bool,
-    duration: float,
-    rtt: tuple[float | None, float | None],
-    solver: str,
-    real_time: bool,
-    why: str = "",
-) -> RunSummary:
-    """Put a run's results together; `robot` is the robot node's own summary, the truth about clearance."""
-    clearance = robot.get("min_clearance")
-    if clearance is not None and (clearance > NO_OBSTACLE or not math.isfinite(clearance)):
-        clearance = None
-    arm = robot.get("min_arm_clearance")
-    known = "min_clearance" in robot
+def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") -> RunSummary:
+    """Put a run's results together; the robot's own is the truth about clearance.
+
+    A program that left no result has counted nothing, and nothing is known to be safe without the robot's.
+    """
+    scenario = run.scenario
+    robot = results.robot if results.robot is not None else RobotResult()
+    operator = results.operator
+    if operator is None:
+        operator = OperatorResult(finished=False, solver=str(scenario.controller.solver))
     d_min = scenario.controller.d_min
-    safe = known and (clearance is None or clearance >= d_min) and (arm is None or arm > 0)
-    refused = dict(robot.get("refused", {}))
-    reached, count = (tally.last.target_index, tally.last.target_count) if tally.last else (0, 0)
+    clear = robot.min_clearance is None or robot.min_clearance >= d_min
+    free = robot.min_arm_clearance is None or robot.min_arm_clearance > 0
+    last = operator.last_report
     return RunSummary(
-        safe=safe,
-        finished=finished,
-        min_clearance=clearance,
-        min_arm_clearance=arm,
+        safe=results.robot is not None and clear and free,
+        finished=operator.finished,
+        min_clearance=robot.min_clearance,
+        min_arm_clearance=robot.min_arm_clearance,
         d_min=d_min,
-        duration=duration,
-        rtt_mean=rtt[0],
-        rtt_std=rtt[1],
-        interventions=tally.interventions,
-        infeasible=tally.infeasible,
-        stops=int(robot.get("stops", 0)),
-        refused=sum(refused.values()),
-        refused_by=refused,
-        ticks=tally.ticks,
-        targets_reached=reached,
-        targets=count or len(scenario.targets),
-        path_length=float(robot.get("path_length", 0.0)),
-        seed=seed,
+        duration=operator.duration,
+        rtt_mean=operator.rtt_mean,
+        rtt_std=operator.rtt_std,
+        interventions=operator.interventions,
+        infeasible=operator.infeasible,
+        stops=robot.stops,
+        refused=sum(robot.refused.values()),
+        refused_by=robot.refused,
+        ticks=operator.ticks,
+        targets_reached=last.target_index if last is not None else 0,
+        targets=(last.target_count if last is not None else 0) or len(scenario.targets),
+        path_length=robot.path_length,
+        seed=run.seed,
         scenario=scenario.name,
         robot=scenario.robot.kind,
-        uplink=uplink,
-        downlink=downlink,
+        uplink=run.network.uplink.text,
+        downlink=run.network.downlink.text,
         margin=scenario.margin.kind,
         predictor=scenario.predictor,
         controller=scenario.controller.kind,
-        solver=solver,
+        solver=operator.solver,
         real_time=real_time,
         why=why,
+        counts=results.counts(),
     )
 
 
@@ -151,7 +130,7 @@ def to_json(summary: RunSummary) -> str:
 
 def write_summary(summary: RunSummary, folder: Path) -> Path:
     """Write `summary.json` into a run's folder."""
-    path = folder / "summary.json"
+    path = folder / SUMMARY
     path.write_text(json.dumps(msgspec.to_builtins(summary), indent=1) + "\n", encoding="utf-8")
     return path
 

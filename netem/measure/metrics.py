@@ -1,13 +1,13 @@
 """Prometheus metrics on a local port, for those who watch for hours; read at each scrape, in its thread."""
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 from prometheus_client import CollectorRegistry, start_http_server
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 from farhand.common.errors import EndpointError
+from farhand.netem.result import NetemResult
 
 _COUNTS = ("received", "delivered", "duplicated", "corrupted", "reordered", "retransmitted")
 _QUANTILES = {"p50": "0.5", "p99": "0.99", "max": "1"}
@@ -20,7 +20,7 @@ class StatisticsCollector(Collector):
         statistics: gives `NetemNode.statistics()`.
     """
 
-    def __init__(self, statistics: Callable[[], dict[str, Any]]) -> None:
+    def __init__(self, statistics: Callable[[], NetemResult]) -> None:
         self._statistics = statistics
 
     def collect(self) -> Iterator[Metric]:
@@ -41,26 +41,26 @@ class StatisticsCollector(Collector):
                 ("error", "Delay achieved minus delay assigned."),
             )
         }
-        for direction in ("uplink", "downlink"):
-            for robot, values in statistics[direction]["robots"].items():
+        for direction, found in statistics.directions.items():
+            for robot, values in found.robots.items():
                 for name, family in counts.items():
-                    family.add_metric([direction, robot], values[name])
-                for cause, number in values["dropped"].items():
+                    family.add_metric([direction, robot], getattr(values, name))
+                for cause, number in values.dropped.items():
                     dropped.add_metric([direction, robot, cause], number)
-                queued.add_metric([direction, robot], values["queued"])
+                queued.add_metric([direction, robot], values.queued)
                 for name, gauge in delays.items():
                     for key, quantile in _QUANTILES.items():
-                        gauge.add_metric([direction, robot, quantile], values[name][key])
+                        gauge.add_metric([direction, robot, quantile], getattr(getattr(values, name), key))
         rtt = GaugeMetricFamily(
             "farhand_netem_rtt_seconds", "Round trip from echoed stamps.", labels=["robot", "quantile"]
         )
-        for robot, values in statistics["rtt_by_robot"].items():
+        for robot, trips in statistics.rtt_by_robot.items():
             for key, quantile in _QUANTILES.items():
-                rtt.add_metric([robot, quantile], values[key])
+                rtt.add_metric([robot, quantile], getattr(trips, key))
         bypassed = CounterMetricFamily(
             "farhand_netem_bypassed", "Echoes of commands that went past the emulator."
         )
-        bypassed.add_metric([], statistics["bypassed"])
+        bypassed.add_metric([], statistics.bypassed)
         yield from (*counts.values(), dropped, queued, *delays.values(), rtt, bypassed)
 
 
@@ -75,7 +75,7 @@ class MetricsServer:
         EndpointError: the port is taken.
     """
 
-    def __init__(self, port: int, statistics: Callable[[], dict[str, Any]]) -> None:
+    def __init__(self, port: int, statistics: Callable[[], NetemResult]) -> None:
         registry = CollectorRegistry()
         registry.register(StatisticsCollector(statistics))
         try:

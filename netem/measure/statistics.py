@@ -3,6 +3,8 @@
 import math
 from collections import Counter
 
+from farhand.netem.result import Delays, FlowCounts
+
 _BINS_PER_E = 1 / math.log(1.01)
 _COUNTERS = ("received", "duplicated", "delivered", "queued", "corrupted", "reordered", "retransmitted")
 
@@ -61,34 +63,20 @@ class Histogram:
                 return min(middle, float(self.max_ns)) * 1e-9
         return 0.0
 
-    def summary(self) -> dict[str, float]:
-        """count, and in s: mean, std, p50, p99, max."""
-        return {
-            "count": self.count,
-            "mean": self.mean,
-            "std": self.std,
-            "p50": self.quantile(0.5),
-            "p99": self.quantile(0.99),
-            "max": self.max_ns * 1e-9,
-        }
+    def summary(self) -> Delays:
+        """What there is to say of them."""
+        return Delays(
+            count=self.count,
+            mean=self.mean,
+            std=self.std,
+            p50=self.quantile(0.5),
+            p99=self.quantile(0.99),
+            max=self.max_ns * 1e-9,
+        )
 
 
 class FlowStatistics:
-    """Counters of one robot's messages in one direction.
-
-    Attributes:
-        received: messages that came in.
-        duplicated: copies made.
-        delivered: messages and copies that left.
-        queued: that wait.
-        dropped: by cause: loss, outage, queue (of the rate), trace, tcp-like, memory.
-        corrupted: delivered with a flipped bit.
-        reordered: delivered after one that came later.
-        retransmitted: times a message was sent again, by `tcp-like` or because it must not be lost.
-        drawn: what the delay model drew for the delivered.
-        achieved: from arrival to the end of the sending.
-        error: achieved minus what the whole chain had assigned.
-    """
+    """Counts one robot's messages in one direction; the attributes are FlowCounts'."""
 
     def __init__(self) -> None:
         self.received = 0
@@ -115,18 +103,12 @@ class FlowStatistics:
         """Whether received + duplicated = delivered + dropped + queued."""
         return self.received + self.duplicated == self.delivered + sum(self.dropped.values()) + self.queued
 
-    def summary(self) -> dict[str, object]:
-        """As plain values for JSON; durations in s."""
-        return {
-            "received": self.received,
-            "duplicated": self.duplicated,
-            "delivered": self.delivered,
-            "queued": self.queued,
-            "dropped": dict(sorted(self.dropped.items())),
-            "corrupted": self.corrupted,
-            "reordered": self.reordered,
-            "retransmitted": self.retransmitted,
-            "drawn": self.drawn.summary(),
-            "achieved": self.achieved.summary(),
-            "error": self.error.summary(),
-        }
+    def summary(self) -> FlowCounts:
+        """What was counted so far."""
+        return FlowCounts(
+            **{name: getattr(self, name) for name in _COUNTERS},
+            dropped=dict(sorted(self.dropped.items())),
+            drawn=self.drawn.summary(),
+            achieved=self.achieved.summary(),
+            error=self.error.summary(),
+        )

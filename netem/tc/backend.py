@@ -19,7 +19,9 @@ from typing import Any, NamedTuple
 import msgspec
 
 from farhand.common.errors import InputError
+from farhand.common.result_file import read_result, write_result
 from farhand.netem.main import NetemSettings, say
+from farhand.netem.result import KernelCounts, NetemResult
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.host import HANDLE, Run, claim, find_device, refusal, run_command
 from farhand.netem.tc.words import TABLE, KernelNetwork, kernel_network
@@ -77,7 +79,7 @@ class KernelEmulation:
         while self._claims:
             self._claims.pop().close()
 
-    def counted(self) -> list[dict[str, Any]]:
+    def counted(self) -> list[KernelCounts]:
         """What each device sent and dropped, in packets; without those that are gone."""
         found = []
         for device in self._started:
@@ -85,8 +87,10 @@ class KernelEmulation:
                 root = self._root(device)
             except InputError:
                 continue
-            counts = {"packets": root.get("packets"), "dropped": root.get("drops")}
-            found.append({"device": device.name, "direction": device.direction, **counts})
+            packets, dropped = root.get("packets", 0), root.get("drops", 0)
+            found.append(
+                KernelCounts(device=device.name, direction=device.direction, packets=packets, dropped=dropped)
+            )
         return found
 
     def _start(self, device: Device) -> list[str]:
@@ -158,14 +162,15 @@ def kernel_emulation(
         yield msgspec.structs.replace(settings, uplink="none", downlink="none")
         counted = emulation.counted()
         for each in counted:
-            say(f"tc on {each['device']}: {each['packets']} packets, {each['dropped']} dropped")
+            say(f"tc on {each.device}: {each.packets} packets, {each.dropped} dropped")
         if settings.stats:
             _append(Path(settings.stats), counted)
     finally:
         emulation.stop()
 
 
-def _append(stats: Path, counted: list[dict[str, Any]]) -> None:
+def _append(stats: Path, counted: list[KernelCounts]) -> None:
     """Put the kernel's counts beside the proxy's."""
-    statistics = json.loads(stats.read_text(encoding="utf-8")) | {"tc": counted}
-    stats.write_text(json.dumps(statistics, indent=1) + "\n", encoding="utf-8")
+    statistics = read_result(stats, NetemResult)
+    if statistics is not None:
+        write_result(msgspec.structs.replace(statistics, tc=counted), stats)

@@ -23,36 +23,18 @@ from farhand.robot_side.settings import RobotScenario
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
 
 
-class UR5Robot(Robot):
-    """Follows tool velocities with the tool kept as it points at the start: down.
+class ArmWorld:
+    """The arm and its obstacles in a world of PyBullet of their own, the arm at the scenario's start.
 
     Args:
-        scenario: start, joints, velocity control, and the obstacles that the start must be clear of.
+        scenario: start, joints, and the obstacles that the start must be clear of.
 
     Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
     """
 
-    joint_names = JOINTS
-    model = "ur5"
-
     def __init__(self, scenario: RobotScenario) -> None:
-        settings = scenario.robot
         self.kinematics = Kinematics()
         self._q = _start_configuration(self.kinematics, scenario)
-        bounds = JointBounds(
-            self.kinematics.lower,
-            self.kinematics.upper,
-            self.kinematics.max_velocity,
-            settings.max_joint_acceleration,
-        )
-        down = self.kinematics.R_base_tool_down
-        self.control: VelocityControl = (
-            DirectionKeeping(bounds, down)
-            if settings.velocity_control == "direction"
-            else DampedLeastSquares(bounds, self.kinematics.max_velocity, down)
-        )
-        self._commanded: Array = np.zeros(6)
-        self._dt = 0.0
         self._bullet, self._client = connect()
         try:
             self._load_arm()
@@ -61,47 +43,6 @@ class UR5Robot(Robot):
         except BaseException:
             self.close()
             raise
-        self._read()
-
-    @classmethod
-    def for_scenario(cls, scenario: RobotScenario) -> "UR5Robot":
-        """See Robot."""
-        return cls(scenario)
-
-    def sample(self) -> RobotSample:
-        """The state now."""
-        x, y, z, w = pin.Quaternion(self._tool.R_base_tool).coeffs().tolist()
-        return RobotSample(
-            to_vector3(self._tool.position.tolist()),
-            to_vector3((self._tool.jacobian[:3] @ self._qd).tolist()),
-            (w, x, y, z),
-            tuple(self._q.tolist()),
-        )
-
-    def step(self, velocity: Sequence[float], dt: float) -> None:
-        """One period of `dt` s under the commanded tool velocity (m/s, base)."""
-        bullet, client = self._bullet, self._client
-        if dt != self._dt:
-            self._dt = dt
-            bullet.setTimeStep(dt, physicsClientId=client)
-        self._commanded = self.control.joint_velocity(
-            self._q, self._commanded, self._tool, np.asarray(velocity, dtype=float), dt
-        )
-        bullet.setJointMotorControlArray(
-            self.body,
-            self.joint_indices,
-            bullet.VELOCITY_CONTROL,
-            targetVelocities=self._commanded.tolist(),
-            forces=TORQUE_LIMITS,
-            physicsClientId=client,
-        )
-        bullet.stepSimulation(physicsClientId=client)
-        self._read()
-
-    def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
-        """Distance of the whole arm to the nearest obstacle (m), 1 to 3 mm short of the truth."""
-        nearest = self._obstacles.nearest(obstacles)
-        return None if nearest is None else nearest[0]
 
     def close(self) -> None:
         """Disconnect from the physics engine."""
@@ -151,6 +92,83 @@ class UR5Robot(Robot):
                 f"scenario {scenario.name}: start: the UR5's arm reaches {-nearest[0]:.3f} m into obstacle "
                 f"{nearest[1]!r} there; move the obstacle or the start"
             )
+
+
+class UR5Robot(ArmWorld, Robot):
+    """Follows tool velocities with the tool kept as it points at the start: down.
+
+    Args:
+        scenario: start, joints, velocity control, and the obstacles that the start must be clear of.
+
+    Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
+    """
+
+    joint_names = JOINTS
+    model = "ur5"
+
+    def __init__(self, scenario: RobotScenario) -> None:
+        super().__init__(scenario)
+        settings = scenario.robot
+        bounds = JointBounds(
+            self.kinematics.lower,
+            self.kinematics.upper,
+            self.kinematics.max_velocity,
+            settings.max_joint_acceleration,
+        )
+        down = self.kinematics.R_base_tool_down
+        self.control: VelocityControl = (
+            DirectionKeeping(bounds, down)
+            if settings.velocity_control == "direction"
+            else DampedLeastSquares(bounds, self.kinematics.max_velocity, down)
+        )
+        self._commanded: Array = np.zeros(6)
+        self._dt = 0.0
+        self._read()
+
+    @classmethod
+    def for_scenario(cls, scenario: RobotScenario) -> "UR5Robot":
+        """See Robot."""
+        return cls(scenario)
+
+    @classmethod
+    def check_start(cls, scenario: RobotScenario) -> None:
+        """See Robot."""
+        ArmWorld(scenario).close()
+
+    def sample(self) -> RobotSample:
+        """The state now."""
+        x, y, z, w = pin.Quaternion(self._tool.R_base_tool).coeffs().tolist()
+        return RobotSample(
+            to_vector3(self._tool.position.tolist()),
+            to_vector3((self._tool.jacobian[:3] @ self._qd).tolist()),
+            (w, x, y, z),
+            tuple(self._q.tolist()),
+        )
+
+    def step(self, velocity: Sequence[float], dt: float) -> None:
+        """One period of `dt` s under the commanded tool velocity (m/s, base)."""
+        bullet, client = self._bullet, self._client
+        if dt != self._dt:
+            self._dt = dt
+            bullet.setTimeStep(dt, physicsClientId=client)
+        self._commanded = self.control.joint_velocity(
+            self._q, self._commanded, self._tool, np.asarray(velocity, dtype=float), dt
+        )
+        bullet.setJointMotorControlArray(
+            self.body,
+            self.joint_indices,
+            bullet.VELOCITY_CONTROL,
+            targetVelocities=self._commanded.tolist(),
+            forces=TORQUE_LIMITS,
+            physicsClientId=client,
+        )
+        bullet.stepSimulation(physicsClientId=client)
+        self._read()
+
+    def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
+        """Distance of the whole arm to the nearest obstacle (m), 1 to 3 mm short of the truth."""
+        nearest = self._obstacles.nearest(obstacles)
+        return None if nearest is None else nearest[0]
 
     def _read(self) -> None:
         states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)

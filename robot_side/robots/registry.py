@@ -25,3 +25,11 @@ def make_robot(scenario: RobotScenario) -> Robot:
     Raises ScenarioError when the robot cannot stand there, InputError when there is no such robot.
     """
     return ROBOTS.get(scenario.robot.kind, "robot.kind").for_scenario(scenario)
+
+
+def check_scenario(scenario: RobotScenario) -> None:
+    """Raise ScenarioError when the scenario's robot cannot stand at its start, where its kind can tell.
+
+    Builds no robot and connects to nothing. Raises InputError when there is no such robot.
+    """
+    ROBOTS.get(scenario.robot.kind, "robot.kind").check_start(scenario)

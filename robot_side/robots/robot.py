@@ -48,6 +48,10 @@ class Robot(ABC):
     def for_scenario(cls, scenario: RobotScenario) -> "Robot":
         """The robot at the scenario's start; raises ScenarioError when it cannot stand there."""
 
+    @classmethod  # noqa: B027 (some can tell only by being there)
+    def check_start(cls, scenario: RobotScenario) -> None:
+        """Raise ScenarioError when the robot cannot stand at the scenario's start; connects to nothing."""
+
     @abstractmethod
     def sample(self) -> RobotSample:
         """The state now."""

@@ -51,14 +51,7 @@ def test_every_option_exists(role, tmp_path):
     settings |= {"UPLINK": "none", "DOWNLINK": "none", "BACKEND": "tc", "TLS": str(tmp_path)}
     for arguments in (
         part.program_arguments(role, tmp_path, settings),
-        [
-            "summarise",
-            str(tmp_path),
-            *part.choice_arguments(settings),
-            *part.network_arguments(settings),
-            "--why",
-            "x",
-        ],
+        part.summarise_arguments(tmp_path, settings, "x"),
     ):
         assert run([*arguments, "--help"]) == 0, arguments
     assert run([*arguments, "--no-such-option", "--help"]) == 2

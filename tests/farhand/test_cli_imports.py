@@ -5,9 +5,9 @@ import subprocess
 import sys
 
 HEAVY = [
+    "zenoh",
+    "scipy",
     "matplotlib",
-    "scipy.stats",
-    "scipy.optimize",
     "casadi",
     "pybullet",
     "pinocchio",

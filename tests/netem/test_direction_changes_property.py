@@ -2,6 +2,7 @@
 
 import json
 
+import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -53,7 +54,7 @@ def run(steps):
         node.step(now_ns)
         node.check_conservation()
         arrived += [(tick, packet.key) for end in (operator, robot) for packet in end.receive()]
-    return json.dumps(node.statistics(), sort_keys=True), arrived
+    return json.dumps(msgspec.to_builtins(node.statistics()), sort_keys=True), arrived
 
 
 @settings(max_examples=25)

@@ -45,7 +45,7 @@ class Rig:
     def run(self, time_ms):
         self.executor.run_until(1000 + round(time_ms * MS))
         self.node.check_conservation()
-        return self.node.statistics()
+        return msgspec.to_builtins(self.node.statistics())
 
 
 def received(link):

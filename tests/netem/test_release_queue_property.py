@@ -1,5 +1,6 @@
 """Laws of the emulator: never early, nothing vanishes, in order where it says so."""
 
+import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -90,7 +91,7 @@ def test_nothing_vanishes_and_nothing_is_early(spec, messages, capacity):
         else:
             assert not transit.cause
             assert released_ns >= transit.release_ns
-    found = node.statistics()
+    found = msgspec.to_builtins(node.statistics())
     for name, end, up in (("uplink", ends[1], True), ("downlink", ends[0], False)):
         sent = sum(message[1] is up for message in messages)
         assert found[name]["received"] == sent

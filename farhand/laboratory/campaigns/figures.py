@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.laboratory.campaigns.jobs import Row
 from farhand.laboratory.campaigns.table1 import DELAYS, Table1
-from farhand.laboratory.simulation import simulate
+from farhand.laboratory.simulation import simulate_run
 from farhand.runs.figure import BLUE, GREY, ORANGE, RED, STYLE, WIDTH
+from farhand.runs.run import COMPUTING_TIME
 from farhand.runs.scenario import Scenario
 
 COLOURS = {"none": RED, "paper": BLUE, "adaptive": ORANGE}
@@ -31,7 +33,7 @@ def draw_table1(table: Table1, rows: Sequence[Row], folder: Path) -> list[Path]:
         return []
     delay, index = telling_task(table, good)
     runs = {margin: _path(table, delay, margin, index) for margin in table.margins}
-    scenario = table.job(delay, table.margins[0], index).scenario
+    scenario = table.job(delay, table.margins[0], index).run.scenario
     written = []
     with plt.rc_context(STYLE):
         for name, figure in (
@@ -62,10 +64,8 @@ def telling_task(table: Table1, rows: Sequence[Row]) -> tuple[str, int]:
 
 def _path(table: Table1, delay: str, margin: str, index: int) -> Array:
     """(n, 5): t, x, y, z, clearance, of one task run again."""
-    job = table.job(delay, margin, index)
-    again = simulate(
-        job.scenario, uplink=job.uplink, downlink=job.downlink, seed=job.seed, time_limit=job.time_limit
-    )
+    run = table.job(delay, margin, index).run
+    again = simulate_run(msgspec.structs.replace(run, computing_time=(COMPUTING_TIME,)))
     return np.asarray(again.trajectory, dtype=float).reshape(-1, 5)
 
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import msgspec
 
-from farhand.common.seeds import stream
-from farhand.laboratory.simulation import COMPUTING_TIME, simulate
-from farhand.runs.scenario import Scenario
+from farhand.laboratory.simulation import simulate_run
+from farhand.runs.run import Run
+from farhand.runs.summary import RunSummary
 
 DIGEST_DIGITS = 16
 
@@ -16,22 +16,12 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     """Attributes:
     key: names the run within its campaign, e.g. `constant/paper/17`.
     labels: what was varied, by name; the first columns of the table.
-    scenario: what to do.
-    uplink, downlink: SPECs.
-    seed: of every random stream.
-    time_limit: from the first motion command (s).
-    computing_time: of a control tick (s); several values are a measured distribution, drawn from with
-        replacement.
+    run: what to do.
     """
 
     key: str
     labels: dict[str, Any]
-    scenario: Scenario
-    uplink: str
-    downlink: str
-    seed: int
-    time_limit: float
-    computing_time: tuple[float, ...] = (COMPUTING_TIME,)
+    run: Run
 
 
 class Row(msgspec.Struct, frozen=True, kw_only=True):
@@ -71,6 +61,9 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     error: str = ""
 
 
+FROM_SUMMARY = tuple(field for field in Row.__struct_fields__ if field in RunSummary.__struct_fields__)
+"""The columns that are the summary's figures of the same name."""
+
 UNITS = {
     "min_clearance": "m",
     "min_arm_clearance": "m",
@@ -97,7 +90,7 @@ def run_jobs(jobs: list[Job]) -> list[Row]:
 
 def crashed(job: Job, error: str) -> Row:
     """The row of a job that has no result."""
-    return Row(key=job.key, labels=job.labels, seed=job.seed, error=" ".join(error.split()))
+    return Row(key=job.key, labels=job.labels, seed=job.run.seed, error=" ".join(error.split()))
 
 
 def task_seed(*names: str | int) -> int:
@@ -107,45 +100,12 @@ def task_seed(*names: str | int) -> int:
 
 
 def _row(job: Job) -> Row:
-    result = simulate(
-        job.scenario,
-        uplink=job.uplink,
-        downlink=job.downlink,
-        seed=job.seed,
-        time_limit=job.time_limit,
-        computing_time=_computing_time(job),
-        digest=True,
-    )
+    result = simulate_run(job.run, digest=True)
     summary = result.summary
     return Row(
         key=job.key,
         labels=job.labels,
-        seed=job.seed,
         success=summary.safe and summary.finished,
-        finished=summary.finished,
-        safe=summary.safe,
-        min_clearance=summary.min_clearance,
-        min_arm_clearance=summary.min_arm_clearance,
-        duration=summary.duration,
-        path_length=summary.path_length,
-        rtt_mean=summary.rtt_mean,
-        rtt_std=summary.rtt_std,
-        interventions=summary.interventions,
-        infeasible=summary.infeasible,
-        stops=summary.stops,
-        refused=summary.refused,
-        ticks=summary.ticks,
-        targets_reached=summary.targets_reached,
-        targets=summary.targets,
+        **{name: getattr(summary, name) for name in FROM_SUMMARY},
         digest=result.digest[:DIGEST_DIGITS],
-        why=summary.why,
     )
-
-
-def _computing_time(job: Job) -> Any:
-    """A constant, or a function that draws."""
-    samples = job.computing_time
-    if len(samples) == 1:
-        return samples[0]
-    draw = stream(job.seed, "computing-time")
-    return lambda: samples[int(draw.integers(len(samples)))]

@@ -13,6 +13,7 @@ from farhand.laboratory.campaigns.jobs import Job
 from farhand.laboratory.campaigns.store import source_digest
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.programs.wiring import versions
+from farhand.runs.run import Network, NetworkChoice, Run, choose_network, read_choice
 from farhand.runs.scenario import Scenario, load_scenario, replace_setting, scenario_to_table
 
 if sys.version_info >= (3, 11):
@@ -34,7 +35,8 @@ class SweepFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     Attributes:
         name: of the sweep.
         scenario: built-in name, TOML file relative to this one, or `random-tasks`.
-        network: SPEC of both directions; `{word}` stands for the grid's values of `word`.
+        network: SPEC of both directions; `{word}` stands for the grid's values of `word`. Without it, the
+            scenario's own, else `none`.
         uplink, downlink: where they differ.
         seeds: how many, from 0 on, or which.
         time_limit: of a run, from the first motion (s).
@@ -44,7 +46,7 @@ class SweepFile(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     name: Annotated[str, Meta(min_length=1, max_length=64)] = "sweep"
     scenario: str
-    network: str = "none"
+    network: str | None = None
     uplink: str | None = None
     downlink: str | None = None
     seeds: Annotated[int, Meta(ge=1, le=MAX_RUNS)] | Annotated[tuple[Seed, ...], Meta(min_length=1)] = 1
@@ -115,22 +117,22 @@ class Sweep:
 
     def _point(self, labels: dict[str, Any]) -> list[Job]:
         """The jobs of one point of the grid, one a seed."""
-        up, down, used = self._network(labels)
+        choice, used = self._choice(labels)
         base = self._apply(self._base, labels, used) if self._base is not None else None
+        network = self._network(base, choice) if base is not None else None
         name = "/".join(f"{key}={value}" for key, value in labels.items())
-        return [
-            Job(
-                key=f"{name}/{seed}",
-                labels=labels,
-                scenario=base if base is not None else self._apply(make_task(0, seed), labels, used),
-                uplink=up,
-                downlink=down,
+        jobs = []
+        for seed in self.file.seed_values():
+            scenario = base if base is not None else self._apply(make_task(0, seed), labels, used)
+            run = Run(
+                scenario=scenario,
+                network=network if network is not None else self._network(scenario, choice),
                 seed=seed,
                 time_limit=self.file.time_limit,
                 computing_time=(self.file.computing_time * 1e-3,),
             )
-            for seed in self.file.seed_values()
-        ]
+            jobs.append(Job(key=f"{name}/{seed}", labels=labels, run=run))
+        return jobs
 
     def _apply(self, scenario: Scenario, labels: dict[str, Any], used: set[str]) -> Scenario:
         for key, value in labels.items():
@@ -142,26 +144,32 @@ class Sweep:
                 raise InputError(f"sweep {self.path}: grid.{key} = {value!r}: {error}") from None
         return scenario
 
-    def _network(self, labels: dict[str, Any]) -> tuple[str, str, set[str]]:
-        """SPECs of both directions, and the labels that went into them."""
-        from farhand.netem.spec import parse_spec
-
-        both = str(labels.get("network", self.file.network))
-        up = labels.get("uplink", self.file.uplink)
-        down = labels.get("downlink", self.file.downlink)
+    def _choice(self, labels: dict[str, Any]) -> tuple[NetworkChoice, set[str]]:
+        """What a point says of the network, and the labels that went into it."""
         used = {key for key in NETWORK if key in labels}
-        specs = []
-        for spec in (str(up or both), str(down or both)):
+        specs: dict[str, str] = {}
+        for name in NETWORK:
+            spec = labels.get(name, getattr(self.file, name))
+            if spec is not None:
+                specs[name] = str(spec)
+        if "uplink" in specs and "downlink" in specs:
+            specs.pop("network", None)  # of no account, as are the words in it
+        for name, spec in specs.items():
             for key, value in labels.items():
                 if "{" + key + "}" in spec:
                     spec = spec.replace("{" + key + "}", str(value))
                     used.add(key)
-            try:
-                parse_spec(spec).prepare()
-            except SpecError as error:
-                raise InputError(f"sweep {self.path}: network {spec!r}: {error}") from None
-            specs.append(spec)
-        return specs[0], specs[1], used
+            specs[name] = spec
+        try:
+            return read_choice(**specs), used
+        except SpecError as error:
+            raise InputError(f"sweep {self.path}: {error}") from None
+
+    def _network(self, scenario: Scenario, choice: NetworkChoice) -> Network:
+        try:
+            return choose_network(scenario, choice, where=self.file.scenario)
+        except SpecError as error:
+            raise InputError(f"sweep {self.path}: {error}") from None
 
 
 def _read(path: Path) -> SweepFile:

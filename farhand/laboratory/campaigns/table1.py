@@ -12,8 +12,8 @@ from farhand.laboratory.campaigns.jobs import Job, Row, task_seed
 from farhand.laboratory.campaigns.statistics import Cell, clopper_pearson, summarise_cell
 from farhand.laboratory.campaigns.store import source_digest
 from farhand.laboratory.campaigns.tasks import BoxKind, make_task
-from farhand.laboratory.simulation import COMPUTING_TIME
 from farhand.programs.wiring import versions
+from farhand.runs.run import COMPUTING_TIME, Run, choose_network, read_choice
 
 TIME_LIMIT = 300.0
 """Of a task (s): several times what a task takes, so that only a deadlock meets it."""
@@ -101,16 +101,17 @@ class Table1:
 
     def job(self, delay: str, margin: str, index: int) -> Job:
         """One run."""
-        spec = DELAYS[delay]
+        scenario = make_task(self.seed, index, self.robot, margin)
         return Job(
             key=f"{delay}/{margin}/{index}",
             labels={"delay": delay, "margin": margin, "task": index, "robot": self.robot},
-            scenario=make_task(self.seed, index, self.robot, margin),
-            uplink=spec,
-            downlink=spec,
-            seed=task_seed("table1", self.seed, index),
-            time_limit=self.time_limit,
-            computing_time=self.computing_time,
+            run=Run(
+                scenario=scenario,
+                network=choose_network(scenario, read_choice(DELAYS[delay])),
+                seed=task_seed("table1", self.seed, index),
+                time_limit=self.time_limit,
+                computing_time=self.computing_time,
+            ),
         )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from farhand.common.errors import FarhandError
 from farhand.common.timing.clock import SystemClock, to_ns
+from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
 from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.trials.faults.judgement import MOVING, Outcome, Seen, judge
@@ -50,19 +51,32 @@ class Rig:
     def start(self, program: str, environment: Mapping[str, str] | None = None) -> None:
         """Start a program, or start it again."""
         own = {"netem": "netem.lab", "robot": f"robot.{ROBOT}", "operator": LAWFUL}[program]
-        words = ["farhand", program, "--tls", str(self.certificates / own)]
-        if program == "netem":
-            words += ["--network", NETWORK, "--control", "7449", "--metrics", "7452"]
-            words += ["--listen-operator", "tls/0.0.0.0:7447", "--listen-robot", "tls/0.0.0.0:7448"]
-        else:
-            words += ["--robot", ROBOT, "--scenario", str(self.scenario_file)]
-        if program == "robot":
-            words += ["--connect", f"tls/{NETEM_FOR_ROBOT}:7448", "--listen", "tls/127.0.0.1:7450"]
-        if program == "operator":
-            words += ["--connect", f"tls/{NETEM_FOR_OPERATOR}:7447", "--listen", "tls/127.0.0.1:7451"]
-            words += ["--report", "tcp/127.0.0.1:7446"]
+        words = self._words(program, str(self.certificates / own)).words()
         self.programs[program] = self.hosts.start(
-            program, *words, log=self.log(program), environment=environment
+            program, "farhand", *words, log=self.log(program), environment=environment
+        )
+
+    def _words(self, program: str, tls: str) -> Words:
+        scenario = str(self.scenario_file)
+        if program == "netem":
+            return NetemWords(
+                tls=tls,
+                network=NETWORK,
+                control="7449",
+                metrics=7452,
+                listen_operator="tls/0.0.0.0:7447",
+                listen_robot="tls/0.0.0.0:7448",
+            )
+        if program == "robot":
+            near, listen = (f"tls/{NETEM_FOR_ROBOT}:7448",), ("tls/127.0.0.1:7450",)
+            return RobotWords(tls=tls, robot=ROBOT, scenario=scenario, connect=near, listen=listen)
+        return OperatorWords(
+            tls=tls,
+            robot=ROBOT,
+            scenario=scenario,
+            connect=(f"tls/{NETEM_FOR_OPERATOR}:7447",),
+            listen=("tls/127.0.0.1:7451",),
+            report="tcp/127.0.0.1:7446",
         )
 
     def log(self, program: str) -> Path:

@@ -8,6 +8,7 @@ import argparse
 import math
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
@@ -19,7 +20,8 @@ from farhand.netem.spec import parse_spec
 from farhand.netem.tc.backend import Device, KernelEmulation
 from farhand.netem.tc.host import run_command
 from farhand.netem.tc.words import kernel_network
-from farhand.runs.scenario import load_scenario
+from farhand.runs.run import Network, Run, choose_network, read_choice
+from farhand.runs.scenario import Scenario, load_scenario
 from farhand.trials.hosts import Hosts, why_not
 from farhand.trials.kernel.drive import Drive, drive
 
@@ -98,32 +100,28 @@ def _ms(seconds: float | None) -> str:
     return "-" if seconds is None or math.isnan(seconds) else f"{seconds * 1e3:.1f}"
 
 
-def compare(
-    networks: list[str], scenario_name: str, *, seed: int, time_limit: float, packets: int, console: Console
-) -> list[Drive]:
-    """Drive over each network with each backend; what tc-netem cannot make is told, and driven without it."""
-    scenario = load_scenario(scenario_name)
+def networks_of(scenario: Scenario, asked: Sequence[str] | None, where: str) -> list[Network]:
+    """What to drive over: what was asked for, else the scenario's own network, else eleven; raises InputError."""
+    own = scenario.network
+    if not asked and (own.uplink is not None or own.downlink is not None):
+        return [choose_network(scenario, where=where)]
+    return [choose_network(scenario, read_choice(spec)) for spec in asked or NETWORKS]
+
+
+def compare(runs: Sequence[Run], packets: int, console: Console) -> list[Drive]:
+    """Drive each run with each backend; what tc-netem cannot make is told, and driven without it."""
     found = []
-    for spec in networks:
-        parse_spec(spec).prepare()
-    for spec in networks:
+    for run in runs:
         backends = {"message": 0, "tc": packets}
         try:
-            kernel_network(parse_spec(spec), "uplink")
+            for direction in ("uplink", "downlink"):
+                kernel_network(getattr(run.network, direction).spec, direction)
         except InputError as error:
             del backends["tc"]
             console.print(str(error), markup=False)
         for backend, probes in backends.items():
             with tempfile.TemporaryDirectory(prefix="farhand-compare-") as folder:
-                one = drive(
-                    scenario,
-                    spec,
-                    backend,
-                    Path(folder),
-                    seed=seed,
-                    time_limit=time_limit,
-                    packets=probes,
-                )
+                one = drive(run, backend, Path(folder), packets=probes)
             found.append(one)
             console.print(" | ".join(row(one)) + (f" | {one.why}" if one.why else ""), markup=False)
     return found
@@ -132,7 +130,9 @@ def compare(
 def main() -> int:
     """Compare, print the table; exit code 2 where this host cannot do it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--network", action="append", help="SPEC, repeatable [default: eleven of them]")
+    parser.add_argument(
+        "--network", action="append", help="SPEC, repeatable [default: scenario's, else eleven]"
+    )
     parser.add_argument("--scenario", default="point-obstacle")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--time-limit", type=float, default=90.0, help="of one drive, s")
@@ -145,14 +145,12 @@ def main() -> int:
         problem = why_no_kernel()
         if problem:
             raise InputError(problem)
-        found = compare(
-            options.network or list(NETWORKS),
-            options.scenario,
-            seed=options.seed,
-            time_limit=options.time_limit,
-            packets=options.packets,
-            console=console,
-        )
+        scenario = load_scenario(options.scenario)
+        runs = [
+            Run(scenario=scenario, network=network, seed=options.seed, time_limit=options.time_limit)
+            for network in networks_of(scenario, options.network, options.scenario)
+        ]
+        found = compare(runs, options.packets, console)
     except FarhandError as error:
         print(f"compare: {' '.join(str(error).split())}", file=sys.stderr)
         return 2 if isinstance(error, InputError) else 1

@@ -3,20 +3,23 @@
 import math
 import signal
 import subprocess
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import numpy as np
 
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.timing.clock import SystemClock, to_ns
-from farhand.runs.run_folder import NETEM as NETEM_RESULT
-from farhand.runs.run_folder import OPERATOR as OPERATOR_RESULT
-from farhand.runs.run_folder import ROBOT as ROBOT_RESULT
-from farhand.runs.run_folder import read_json, read_operator_result, summarise_folder, write_scenario
-from farhand.runs.scenario import Scenario
+from farhand.netem.result import FlowCounts, KernelCounts, NetemResult
+from farhand.operator_side.result import Sample
+from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
+from farhand.runs import files
+from farhand.runs.results import RunResults, read_results
+from farhand.runs.run import Run
+from farhand.runs.run_folder import summarise_results, write_scenario
+from farhand.runs.summary import RunSummary
 from farhand.trials.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, OPERATOR, ROBOT, Hosts
 from farhand.trials.kernel.probe import Seen, probe
 
@@ -59,18 +62,13 @@ class Drive(msgspec.Struct, frozen=True, kw_only=True):
     why: str
 
 
-def drive(
-    scenario: Scenario, spec: str, backend: str, folder: Path, *, seed: int, time_limit: float, packets: int
-) -> Drive:
+def drive(run: Run, backend: str, folder: Path, *, packets: int) -> Drive:
     """Drive once, on hosts made for it.
 
     Args:
-        scenario: the task.
-        spec: the network of both directions.
+        run: what to do, over which network.
         backend: message or tc.
         folder: for what the programs leave.
-        seed: of draws and noise.
-        time_limit: for the operator (s).
         packets: to send each way before the drive, 0 for none.
 
     Raises:
@@ -79,39 +77,49 @@ def drive(
     """
     clock, hosts = SystemClock(), Hosts()
     try:
-        task = ["--scenario", str(write_scenario(scenario, folder)), "--robot", scenario.robot.kind]
-        netem = _start_netem(hosts, clock, folder, spec, backend, seed)
+        scenario, name = str(write_scenario(run, folder)), run.scenario.robot.kind
+        netem = _start_netem(hosts, clock, folder, run, backend)
         seen = _probe_both(hosts, packets) if packets else []
-        near = ["--connect", f"tcp/{NETEM_FOR_ROBOT}:7448", "--result", str(folder / ROBOT_RESULT)]
-        far = ["--connect", f"tcp/{NETEM_FOR_OPERATOR}:7447", "--result", str(folder / OPERATOR_RESULT)]
-        far += ["--seed", str(seed), "--time-limit", str(time_limit)]
-        robot = hosts.start("robot", "farhand", "robot", *task, *near, log=folder / "robot.log")
-        operator = hosts.start("operator", "farhand", "operator", *task, *far, log=folder / "operator.log")
-        why = _wait(operator, "operator", START_TIME + time_limit)
-        for program, name in ((robot, "robot"), (netem, "netem")):
+        near = RobotWords(
+            scenario=scenario,
+            robot=name,
+            connect=(f"tcp/{NETEM_FOR_ROBOT}:7448",),
+            result=str(folder / files.ROBOT),
+        )
+        far = OperatorWords(
+            scenario=scenario,
+            robot=name,
+            connect=(f"tcp/{NETEM_FOR_OPERATOR}:7447",),
+            result=str(folder / files.OPERATOR),
+            seed=run.seed,
+            time_limit=run.time_limit,
+        )
+        robot = hosts.start("robot", "farhand", *near.words(), log=folder / "robot.log")
+        operator = hosts.start("operator", "farhand", *far.words(), log=folder / "operator.log")
+        why = _wait(operator, "operator", START_TIME + run.time_limit)
+        for program, called in ((robot, "robot"), (netem, "netem")):
             program.send_signal(signal.SIGTERM)
-            why = _wait(program, name, END_TIME) or why
+            why = _wait(program, called, END_TIME) or why
     finally:
         hosts.close()
-    found = summarise_folder(folder, scenario, seed=seed, uplink=spec, downlink=spec, why=why)
-    statistics = read_json(folder / NETEM_RESULT)
-    result = read_operator_result(folder)
-    series = [row[1] for row in result.series] if result is not None else []
-    trips = [new for old, new in pairwise([None, *series]) if new is not None and new != old]
-    directions = [statistics.get(name, {}) for name in ("uplink", "downlink")]
+    results = read_results(folder)
+    packets_seen = _mean_of([one.summary() for one in seen]) if seen else None
+    return _drive(run, backend, packets_seen, results, summarise_results(run, results, why))
+
+
+def _drive(
+    run: Run, backend: str, packets: dict[str, float] | None, results: RunResults, found: RunSummary
+) -> Drive:
+    netem = results.netem if results.netem is not None else NetemResult()
+    ways = (netem.uplink, netem.downlink) if results.netem is not None and backend == "message" else ()
     return Drive(
-        spec=spec,
+        spec=str(run.network),
         backend=backend,
-        packets=_mean_of([one.summary() for one in seen]) if seen else None,
-        drawn=_mean_delay(directions, "drawn") if backend == "message" else None,
-        achieved=_mean_delay(directions, "achieved") if backend == "message" else None,
-        lost=_lost_packets(statistics) if backend == "tc" else _lost_messages(directions),
-        rtt={
-            "mean": _or_nan(found.rtt_mean),
-            "std": _or_nan(found.rtt_std),
-            "p50": float(np.percentile(trips, 50)) if len(trips) else math.nan,
-            "p99": float(np.percentile(trips, 99)) if len(trips) else math.nan,
-        },
+        packets=packets,
+        drawn=_mean([way.drawn.mean for way in ways]) if backend == "message" else None,
+        achieved=_mean([way.achieved.mean for way in ways]) if backend == "message" else None,
+        lost=_lost_packets(netem.tc) if backend == "tc" else _lost_messages(ways),
+        rtt=_round_trips(found, results.operator.series if results.operator is not None else []),
         clearance=found.min_clearance,
         duration=found.duration,
         refused=found.refused,
@@ -122,20 +130,35 @@ def drive(
     )
 
 
+def _round_trips(found: RunSummary, series: Sequence[Sample]) -> dict[str, float]:
+    """What the operator measured (s): mean and std of all, quantiles of the newest at each tick."""
+    newest = [trip for _, trip, *_ in series]
+    trips = [new for old, new in pairwise([None, *newest]) if new is not None and new != old]
+    return {
+        "mean": _or_nan(found.rtt_mean),
+        "std": _or_nan(found.rtt_std),
+        "p50": float(np.percentile(trips, 50)) if trips else math.nan,
+        "p99": float(np.percentile(trips, 99)) if trips else math.nan,
+    }
+
+
 def _start_netem(
-    hosts: Hosts, clock: SystemClock, folder: Path, spec: str, backend: str, seed: int
+    hosts: Hosts, clock: SystemClock, folder: Path, run: Run, backend: str
 ) -> subprocess.Popen[str]:
     ready, log = folder / "ready", folder / "netem.log"
     ready.unlink(missing_ok=True)
-    words = ["--network", spec, "--seed", str(seed), "--backend", backend, "--insecure"]
-    words += [
-        "--listen-operator",
-        f"tcp/{NETEM_FOR_OPERATOR}:7447",
-        "--listen-robot",
-        f"tcp/{NETEM_FOR_ROBOT}:7448",
-    ]
-    words += ["--stats", str(folder / NETEM_RESULT), "--ready-file", str(ready)]
-    netem = hosts.start("netem", "farhand", "netem", *words, log=log)
+    words = NetemWords(
+        uplink=run.network.uplink.text,
+        downlink=run.network.downlink.text,
+        seed=run.seed,
+        backend=backend,
+        insecure=True,
+        listen_operator=f"tcp/{NETEM_FOR_OPERATOR}:7447",
+        listen_robot=f"tcp/{NETEM_FOR_ROBOT}:7448",
+        stats=str(folder / files.NETEM),
+        ready_file=str(ready),
+    )
+    netem = hosts.start("netem", "farhand", *words.words(), log=log)
     end_ns = clock.now_ns() + to_ns(START_TIME)
     while not ready.exists():
         if netem.poll() is not None or clock.now_ns() > end_ns:
@@ -168,18 +191,17 @@ def _mean_of(found: list[dict[str, float]]) -> dict[str, float]:
     return {name: float(np.mean([each[name] for each in found])) for name in found[0]}
 
 
-def _mean_delay(directions: list[dict[str, Any]], name: str) -> float:
-    return float(np.mean([each.get(name, {}).get("mean", math.nan) for each in directions]))
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if values else math.nan
 
 
-def _lost_messages(directions: list[dict[str, Any]]) -> float:
-    taken = sum(each.get("received", 0) + each.get("duplicated", 0) for each in directions)
-    return sum(sum(each.get("dropped", {}).values()) for each in directions) / taken if taken else 0.0
+def _lost_messages(ways: Sequence[FlowCounts]) -> float:
+    taken = sum(way.received + way.duplicated for way in ways)
+    return sum(sum(way.dropped.values()) for way in ways) / taken if taken else 0.0
 
 
-def _lost_packets(statistics: dict[str, Any]) -> float:
-    counted = statistics.get("tc", [])
-    dropped, sent = sum(each["dropped"] for each in counted), sum(each["packets"] for each in counted)
+def _lost_packets(counted: Sequence[KernelCounts]) -> float:
+    dropped, sent = sum(each.dropped for each in counted), sum(each.packets for each in counted)
     return dropped / (dropped + sent) if sent else 0.0
 
 

@@ -3,12 +3,13 @@
 import json
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from farhand.cli import run
 from farhand.common.errors import SpecError
 from farhand.laboratory.simulation import simulate
-from farhand.runs.run_folder import summarise_folder
+from farhand.netem.settings import NetworkSettings
 from farhand.runs.scenario import load_scenario, replace_setting
 
 TRACE = Path(__file__).resolve().parents[4] / "shared" / "traces" / "cicv5g_urban_n78_20hz.txt"
@@ -110,17 +111,6 @@ def test_simulate_writes_summary_figure_and_recording(tmp_path, capsys):
     assert "SAFE" in captured.err
     for name in ("run.png", "run.pdf", "run.mcap", "scenario.toml"):
         assert (out / name).stat().st_size > 500
-    assert load_scenario(str(out / "scenario.toml")) == load_scenario("point-obstacle")
-
-
-def test_a_folder_of_dead_programs_is_not_safe_and_says_why(tmp_path):
-    summary = summarise_folder(tmp_path, POINT, seed=0, uplink="none", downlink="none")
-    assert not summary.safe
-    assert not summary.finished
-    assert "left no result" in summary.why
-    (tmp_path / "robot.json").write_text('{"min_clearance": 0.5, "refused": {}, "stops": 0}')
-    summary = summarise_folder(tmp_path, POINT, seed=0, uplink="none", downlink="none")
-    assert summary.safe
-    assert summary.why == "the operator's program left no result"
-    (tmp_path / "operator.json").write_text("{ cut o")
-    assert summarise_folder(tmp_path, POINT, seed=0, uplink="none", downlink="none").why == summary.why
+    again = load_scenario(str(out / "scenario.toml"))
+    assert (again.network.uplink, again.network.downlink) == ("constant:50", "constant:50")
+    assert msgspec.structs.replace(again, network=NetworkSettings()) == load_scenario("point-obstacle")

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from farhand.common.errors import InputError, SpecError
+from farhand.common.result_file import write_result
 from farhand.netem.impairments.base import Context
 from farhand.netem.main import NetemSettings
 from farhand.netem.models.profiles import PROFILES
+from farhand.netem.result import NetemResult
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.backend import Device, KernelEmulation, kernel_emulation, set_commands
 from farhand.netem.tc.host import HANDLE, claim, find_device, refusal
@@ -247,7 +249,7 @@ def test_the_counts_go_into_the_statistics_too(tmp_path):
     stats = tmp_path / "stats.json"
     settings = msgspec.structs.replace(SETTINGS, stats=str(stats))
     with kernel_emulation(settings, run=FakeShell()):
-        stats.write_text('{"seed": 0}')  # the proxy's
+        write_result(NetemResult(seed=0), stats)  # the proxy's
     found = json.loads(stats.read_text())
     assert found["seed"] == 0
     assert found["tc"][0] == {"device": "eth1", "direction": "uplink", "packets": 7, "dropped": 2}

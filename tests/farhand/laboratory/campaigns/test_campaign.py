@@ -102,10 +102,10 @@ def test_a_crash_is_a_row_with_its_seed(tmp_path, jobs, monkeypatch):
     def explode(*_args, **_kwargs):
         raise ZeroDivisionError("of all things")
 
-    monkeypatch.setattr(jobs_module, "simulate", explode)
+    monkeypatch.setattr(jobs_module, "simulate_run", explode)
     row = run_job(jobs[2])
     assert row.error == "ZeroDivisionError: of all things"
-    assert (row.key, row.seed, row.success) == (jobs[2].key, jobs[2].seed, False)
+    assert (row.key, row.seed, row.success) == (jobs[2].key, jobs[2].run.seed, False)
     assert cells([row])["constant", "paper"].crashed == 1
 
 
@@ -128,7 +128,8 @@ def test_any_row_can_be_run_again_alone(jobs):
 
 
 def test_measured_computing_times_are_drawn_the_same_every_time(jobs):
-    drawn = msgspec.structs.replace(jobs[0], computing_time=(0.005, 0.02, 0.06))
+    run = msgspec.structs.replace(jobs[0].run, computing_time=(0.005, 0.02, 0.06))
+    drawn = msgspec.structs.replace(jobs[0], run=run)
     first, second = run_job(drawn), run_job(drawn)
     assert first == second
     assert first.rtt_std > run_job(jobs[0]).rtt_std

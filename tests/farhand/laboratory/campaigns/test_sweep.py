@@ -30,19 +30,20 @@ def test_the_grid_goes_into_scenario_and_network(tmp_path):
     sweep = Sweep(write(tmp_path, GOOD))
     assert len(sweep.jobs) == len({job.key for job in sweep.jobs}) == 8
     last = sweep.jobs[-1]
-    assert (last.uplink, last.downlink, last.seed) == ("uniform:50,200", "uniform:50,200", 1)
-    assert last.scenario.controller.gamma == 0.5
+    assert (str(last.run.network), last.run.seed) == ("uniform:50,200", 1)
+    assert last.run.scenario.controller.gamma == 0.5
     assert last.labels == {"high": 200, "controller.gamma": 0.5}
 
 
 def test_directions_and_random_tasks(tmp_path):
     text = 'scenario = "random-tasks"\nseeds = [4, 9]\n[grid]\nuplink = ["none", "constant:10"]\n'
     jobs = Sweep(write(tmp_path, text)).jobs
-    assert [(j.uplink, j.downlink, j.seed) for j in jobs[2:]] == [
-        ("constant:10", "none", 4),
-        ("constant:10", "none", 9),
+    assert [(str(j.run.network), j.run.seed) for j in jobs[2:]] == [
+        ("constant:10 / none", 4),
+        ("constant:10 / none", 9),
     ]
-    assert jobs[0].scenario.obstacles == jobs[2].scenario.obstacles != jobs[1].scenario.obstacles
+    obstacles = [job.run.scenario.obstacles for job in jobs]
+    assert obstacles[0] == obstacles[2] != obstacles[1]
 
 
 def test_one_table_as_csv_and_parquet(tmp_path, capsys):
@@ -67,7 +68,7 @@ def test_one_table_as_csv_and_parquet(tmp_path, capsys):
     [
         (GOOD.replace('"controller.gamma"', '"controller.gama"'), "gama"),
         (GOOD.replace("[0.3, 0.5]", "[0.3, 7.0]"), "controller.gamma = 7.0"),
-        (GOOD.replace("high = ", "low = "), "'uniform:50,{high}'"),
+        (GOOD.replace("high = ", "low = "), "uniform:50,{high}"),
         (GOOD.replace("[100, 200]", "[]"), "grid.high: has no values"),
         (GOOD.replace("[100, 200]", "[100, 100]"), "grid.high: a value is there twice"),
         ('scenario = "point-obstacle"\n[grid]\n', "grid: is empty"),

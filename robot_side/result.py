@@ -1,0 +1,64 @@
+"""What the robot's program leaves behind at the end of a run."""
+
+import msgspec
+
+from farhand.common.messages.base import SafetyMode, Vector3
+from farhand.common.result_file import this_program
+
+
+class Lateness(msgspec.Struct, frozen=True, kw_only=True):
+    """How late the wake-ups of a real-time loop were (s), and whether it ran with SCHED_FIFO."""
+
+    p50: float
+    p99: float
+    max: float
+    realtime_priority: bool
+
+
+class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
+    """What the robot counted and measured; all of it stands in a run's summary, too.
+
+    Attributes:
+        min_clearance: smallest true clearance of the tool's sphere (m); None without obstacles.
+        min_arm_clearance: smallest true distance of the whole arm to an obstacle (m); None where not computed.
+        path_length: way of the tool (m).
+        ticks: control periods.
+        overruns: of them, missed.
+        states_sent, commands_received: messages.
+        refused: commands that moved nothing, by reason.
+        stops: latched stops.
+        holds: changes from RUN to HOLD.
+        lateness: of the loop; None in virtual time.
+    """
+
+    min_clearance: float | None = None
+    min_arm_clearance: float | None = None
+    path_length: float = 0.0
+    ticks: int = 0
+    overruns: int = 0
+    states_sent: int = 0
+    commands_received: int = 0
+    refused: dict[str, int] = msgspec.field(default_factory=dict)
+    stops: int = 0
+    holds: int = 0
+    lateness: Lateness | None = None
+
+
+class RobotResult(RobotCounts, frozen=True, kw_only=True):
+    """What happened to the robot.
+
+    Attributes:
+        version, written_by: of the file.
+        position: of the tool at the end (m).
+        mode, reason: of the watchdog at the end.
+        changes: (instant, mode, reason) of the watchdog's changes; ns, robot's clock.
+        trajectory: (t, x, y, z, clearance) at 50 Hz at most; s since the first tick, m.
+    """
+
+    version: int = 1
+    written_by: str = msgspec.field(default_factory=this_program)
+    position: Vector3 = (0.0, 0.0, 0.0)
+    mode: SafetyMode = "hold"
+    reason: str = ""
+    changes: list[tuple[int, SafetyMode, str]] = msgspec.field(default_factory=list)
+    trajectory: list[tuple[float, float, float, float, float]] = msgspec.field(default_factory=list)
