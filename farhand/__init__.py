@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from farhand.common.messages.state import RobotState as RobotState
     from farhand.common.scenario.section import NoSettings as NoSettings
     from farhand.common.scenario.section import Section as Section
+    from farhand.common.scenario.section import own_settings as own_settings
     from farhand.laboratory.simulation import SimulationResult as SimulationResult
     from farhand.laboratory.simulation import simulate as simulate
     from farhand.laboratory.simulation import simulate_run as simulate_run
@@ -64,6 +65,7 @@ _HOME = {
     "RobotState": "common.messages.state",
     "NoSettings": "common.scenario.section",
     "Section": "common.scenario.section",
+    "own_settings": "common.scenario.section",
     "SimulationResult": "laboratory.simulation",
     "simulate": "laboratory.simulation",
     "simulate_run": "laboratory.simulation",
