@@ -17,8 +17,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Secured, SummariseWords
+from farhand.common.errors import InputError
+from farhand.netem.settings import NetworkSettings
+from farhand.programs.command_line import (
+    DEFAULT_NETWORK,
+    DEFAULT_SCENARIO,
+    NetemWords,
+    OperatorWords,
+    RobotWords,
+    Secured,
+    SummariseWords,
+)
 from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
+from farhand.runs.scenario import load_scenario
 
 ROLES = ("netem", "robot", "operator")
 DRIVEN, ENDED = "driven", "ended"
@@ -50,8 +61,16 @@ def choice(environment: Mapping[str, str]) -> dict[str, str]:
 
 
 def network(environment: Mapping[str, str]) -> dict[str, str]:
-    """The network SPEC, and where a direction differs, by field."""
-    return {name: setting(environment, name.upper()) for name in ("network", "uplink", "downlink")}
+    """The SPECs of both directions, by field: what is set goes before the scenario's, and that before a default."""
+    try:
+        own = load_scenario(setting(environment, "SCENARIO") or DEFAULT_SCENARIO).network
+    except InputError:  # robot and operator read it as well, and say what is wrong
+        own = NetworkSettings()
+    both = setting(environment, "NETWORK")
+    return {
+        "uplink": setting(environment, "UPLINK") or both or own.uplink or DEFAULT_NETWORK,
+        "downlink": setting(environment, "DOWNLINK") or both or own.downlink or DEFAULT_NETWORK,
+    }
 
 
 def certificates(environment: Mapping[str, str]) -> str:

@@ -8,6 +8,7 @@ import typer
 from farhand.commands.options import MarginOption, PredictorOption, SetOption, SolverOption, parse_setting
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import local_timestamp
+from farhand.operator_side.margins.registry import MARGINS
 
 if TYPE_CHECKING:
     from farhand.laboratory.campaigns.pools import Pool
@@ -45,7 +46,9 @@ def table1(
     delays: Annotated[str, typer.Option(help="Some of none,gaussian,constant,uniform.")] = (
         "none,gaussian,constant,uniform"
     ),
-    margins: Annotated[str, typer.Option(help="Some of none,paper,adaptive.")] = "none,paper,adaptive",
+    margins: Annotated[
+        str, typer.Option(help=f"Some of {','.join(MARGINS.names())}.")
+    ] = "none,paper,adaptive",
     robot: Annotated[
         str, typer.Option(help="Model of the box: point (first-order lag, fast) or box (PyBullet).")
     ] = "point",
@@ -63,7 +66,7 @@ def table1(
     """
     from farhand.laboratory.campaigns.computing_time import read_computing_time
     from farhand.laboratory.campaigns.run_table1 import run_table1
-    from farhand.laboratory.campaigns.table1 import DELAYS, MARGINS, Table1, chosen
+    from farhand.laboratory.campaigns.table1 import DELAYS, Table1, chosen
 
     if robot not in ("point", "box"):
         raise InputError(f"--robot {robot!r}: must be point or box")
@@ -71,7 +74,7 @@ def table1(
         tasks=tasks,
         seed=seed,
         delays=chosen("--delays", delays, tuple(DELAYS)),
-        margins=chosen("--margins", margins, MARGINS),
+        margins=chosen("--margins", margins, MARGINS.names()),
         robot="box" if robot == "box" else "point",
         only=task,
         computing_time=read_computing_time(computing_time),

@@ -9,6 +9,7 @@ from farhand.common.kinds import Kinds
 from farhand.operator_side.control.registry import SOLVERS
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.programs.command_line import DEFAULT_NETWORK
 
 if TYPE_CHECKING:
     from farhand.runs.run import Network
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 ScenarioOption = Annotated[
     str, typer.Option(help="Built-in scenario (see `farhand scenarios`) or TOML file.")
 ]
-DEFAULT_NETWORK = "5g-urban"
-"""Of a demo and of a simulation whose scenario says nothing of a network."""
 NetworkOption = Annotated[
     str | None,
     typer.Option(

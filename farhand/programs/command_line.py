@@ -7,6 +7,9 @@ empty or None is left out, as the command has a default of its own. A test holds
 from dataclasses import dataclass, field, fields
 from typing import ClassVar
 
+DEFAULT_SCENARIO, DEFAULT_NETWORK = "ur5-obstacle", "5g-urban"
+"""What is driven, and over what where the scenario says nothing of a network."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Words:

@@ -11,10 +11,7 @@ from farhand.runs.files import OPERATOR, ROBOT
 from farhand.runs.report import print_outcome
 from farhand.runs.results import read_results
 from farhand.runs.run import Run
-from farhand.runs.run_folder import (
-    summarise_results,
-    write_scenario,
-)
+from farhand.runs.run_folder import summarise_results, write_scenario
 from farhand.runs.summary import write_summary
 
 

@@ -39,10 +39,34 @@ def test_each_part_meets_netem_on_its_own_side(tmp_path):
     )
     assert option(netem, "--listen-operator") == option(operator, "--connect") == "tcp/netem-operator:7447"
     assert option(netem, "--listen-robot") == option(robot, "--connect") == "tcp/netem-robot:7448"
-    assert option(netem, "--network") == "gaussian:50,20 loss:1%"
+    assert option(netem, "--uplink") == option(netem, "--downlink") == "gaussian:50,20 loss:1%"
     assert option(operator, "--seed") == option(netem, "--seed") == "3"
     assert "--margin" not in operator
     assert option(robot, "--scenario") == option(operator, "--scenario")
+
+
+@pytest.mark.parametrize(
+    ("said", "expected"),
+    [
+        ({}, ("constant:7", "5g-urban")),
+        ({"NETWORK": "none"}, ("none", "none")),
+        ({"DOWNLINK": "loss:1%"}, ("constant:7", "loss:1%")),
+        ({"NETWORK": "none", "UPLINK": "loss:1%"}, ("loss:1%", "none")),
+        ({"SCENARIO": "ur5-obstacle"}, ("5g-urban", "5g-urban")),
+        ({"SCENARIO": "/nowhere.toml"}, ("5g-urban", "5g-urban")),  # the programs say so
+    ],
+)
+def test_the_scenarios_network_is_emulated_and_summarised_unless_another_is_set(said, expected, tmp_path):
+    scenario = tmp_path / "own.toml"
+    scenario.write_text(
+        'name = "own"\nstart = [0, 0, 0.5]\ntargets = [[1, 0, 0.5]]\n[network]\nuplink = "constant:7"\n'
+    )
+    environment = {"SCENARIO": str(scenario), "NETWORK": "", "UPLINK": ""} | said
+    for words in (
+        part.program_arguments("netem", tmp_path, environment),
+        part.summarise_arguments(tmp_path, environment, ""),
+    ):
+        assert (option(words, "--uplink"), option(words, "--downlink")) == expected
 
 
 @pytest.mark.parametrize("role", ["netem", "robot", "operator"])

@@ -1,8 +1,8 @@
 """The figures of the table in the manner of the paper's: paths, clearance over time, box plots."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -11,14 +11,36 @@ from farhand.common.geometry import Array
 from farhand.laboratory.campaigns.jobs import Row
 from farhand.laboratory.campaigns.table1 import DELAYS, Table1
 from farhand.laboratory.simulation import simulate_run
-from farhand.runs.figure import BLUE, GREY, ORANGE, RED, STYLE, WIDTH
+from farhand.runs.figure import BLUE, GREEN, GREY, ORANGE, RED, STYLE, WIDTH
 from farhand.runs.run import COMPUTING_TIME
 from farhand.runs.scenario import Scenario
 
-COLOURS = {"none": RED, "paper": BLUE, "adaptive": ORANGE}
-LINES = {"none": "--", "paper": "-", "adaptive": "-."}
-NAMES = {"none": "without margin", "paper": "paper's margin", "adaptive": "adaptive margin"}
+
+class Style(NamedTuple):
+    """How a margin law is drawn, and what it is called."""
+
+    colour: str
+    line: str | tuple[int, tuple[int, ...]]
+    name: str
+
+
+STYLES = {
+    "none": Style(RED, "--", "without margin"),
+    "paper": Style(BLUE, "-", "paper's margin"),
+    "adaptive": Style(ORANGE, "-.", "adaptive margin"),
+}
+OTHERS = ((GREEN, ":"), ("#CC79A7", (0, (5, 1))), ("#56B4E9", (0, (3, 1, 1, 1))), ("#000000", (0, (1, 1))))
+"""Colours and lines of laws from outside, in the order of the table."""
 PREFERRED = ("constant", "uniform", "gaussian", "none")
+
+
+def style_of(margin: str, margins: Iterable[str]) -> Style:
+    """The style of one of a table's margin laws; laws from outside take turns."""
+    if margin in STYLES:
+        return STYLES[margin]
+    place = [name for name in margins if name not in STYLES].index(margin)
+    colour, line = OTHERS[place % len(OTHERS)]
+    return Style(colour, line, f"{margin} margin")
 
 
 def draw_table1(table: Table1, rows: Sequence[Row], folder: Path) -> list[Path]:
@@ -77,13 +99,14 @@ def _paths(plt: Any, scenario: Scenario, runs: dict[str, Array], delay: str, ind
     for axes in (whole, near):
         _world(axes, scenario)
         for margin, path in runs.items():
+            style = style_of(margin, runs)
             axes.plot(
                 path[:, 1],
                 path[:, 3],
-                color=COLOURS[margin],
-                ls=LINES[margin],
+                color=style.colour,
+                ls=style.line,
                 lw=1.2,
-                label=NAMES[margin],
+                label=style.name,
             )
         axes.set_aspect("equal", adjustable="box")
         axes.set_xlabel("$x$ (m)")
@@ -129,13 +152,14 @@ def _clearances(plt: Any, scenario: Scenario, runs: dict[str, Array], delay: str
         axes.axhspan(low, d_min, color=RED, alpha=0.15, lw=0)
         axes.axhline(d_min, color=RED, lw=0.8, ls=":", label=f"$d_{{min}}$ = {d_min:g} mm")
         for margin, path in runs.items():
+            style = style_of(margin, runs)
             axes.plot(
                 path[:, 0],
                 path[:, 4] * 1e3,
-                color=COLOURS[margin],
-                ls=LINES[margin],
+                color=style.colour,
+                ls=style.line,
                 lw=1.1,
-                label=NAMES[margin],
+                label=style.name,
             )
         axes.set_ylim(bottom=low)
         axes.set_xlabel("time (s)")
@@ -173,14 +197,15 @@ def _boxes(plt: Any, table: Table1, rows: Sequence[Row]) -> Any:
             if not len(values):
                 continue
             place = group + (number - (len(table.margins) - 1) / 2) * width
-            colour = COLOURS[margin]
+            style = style_of(margin, table.margins)
+            colour = style.colour
             axes.boxplot(
                 values,
                 positions=[place],
                 widths=width * 0.8,
                 showfliers=False,
                 patch_artist=True,
-                boxprops={"facecolor": colour, "alpha": 0.3, "edgecolor": colour, "linestyle": LINES[margin]},
+                boxprops={"facecolor": colour, "alpha": 0.3, "edgecolor": colour, "linestyle": style.line},
                 medianprops={"color": "black", "lw": 1.2},
                 whiskerprops={"color": colour},
                 capprops={"color": colour},
@@ -203,8 +228,8 @@ def _boxes(plt: Any, table: Table1, rows: Sequence[Row]) -> Any:
     axes.set_xlim(-0.5, len(table.delays) - 0.5)
     axes.set_ylabel("smallest clearance of a task (mm)")
     patches = [
-        Patch(facecolor=COLOURS[m], alpha=0.4, edgecolor=COLOURS[m], ls=LINES[m], label=NAMES[m])
-        for m in table.margins
+        Patch(facecolor=style.colour, alpha=0.4, edgecolor=style.colour, ls=style.line, label=style.name)
+        for style in (style_of(margin, table.margins) for margin in table.margins)
     ]
     axes.legend(handles=patches, frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return figure

@@ -116,6 +116,7 @@ def source_digest() -> str:
     folders = [root / name for name in ("common", "netem", "operator_side", "robot_side")]
     files = [path for folder in folders for path in folder.rglob("*.py")]
     files += [root / name for name in ("laboratory/simulation.py", "programs/wiring.py")]
+    files += [root / "runs" / f"{name}.py" for name in ("run", "scenario", "results", "summary")]
     files.append(root / "laboratory/campaigns/tasks.py")
     digest = hashlib.sha256()
     for path in sorted(files):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.netem.tc.host import HANDLE, run_command
+from farhand.programs.command_line import NetemWords
 from farhand.trials.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, OPERATOR, ROBOT, Hosts
 from farhand.trials.kernel.probe import probe
 
@@ -43,11 +44,17 @@ def look(hosts: Hosts, folder: Path) -> dict[str, object]:
         "corrupt",
         "50%",
     )
-    words = ["--backend", "tc", "--uplink", UPLINK, "--downlink", DOWNLINK, "--insecure"]
-    words += ["--listen-operator", f"tcp/{NETEM_FOR_OPERATOR}:7447"]
-    words += ["--listen-robot", f"tcp/{NETEM_FOR_ROBOT}:7448"]
-    words += ["--ready-file", str(folder / "ready"), "--stats", str(folder / "stats")]
-    netem = hosts.start("netem", "farhand", "netem", *words, log=folder / "log")
+    words = NetemWords(
+        backend="tc",
+        uplink=UPLINK,
+        downlink=DOWNLINK,
+        insecure=True,
+        listen_operator=f"tcp/{NETEM_FOR_OPERATOR}:7447",
+        listen_robot=f"tcp/{NETEM_FOR_ROBOT}:7448",
+        ready_file=str(folder / "ready"),
+        stats=str(folder / "stats"),
+    )
+    netem = hosts.start("netem", "farhand", *words.words(), log=folder / "log")
     clock = SystemClock()
     end_ns = clock.now_ns() + to_ns(30.0)
     while not (folder / "ready").exists() and netem.poll() is None and clock.now_ns() < end_ns:

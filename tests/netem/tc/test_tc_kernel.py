@@ -5,9 +5,13 @@ import shutil
 import subprocess
 import sys
 
+import msgspec
 import pytest
 
 from farhand.common.errors import InputError
+from farhand.netem.spec import NONE
+from farhand.programs.command_line import NetemWords
+from farhand.runs.run import Network, Run, Way, choose_network, read_choice
 from farhand.runs.scenario import load_scenario
 from farhand.trials.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, Hosts, why_not
 from farhand.trials.kernel import user_mode_linux
@@ -79,23 +83,30 @@ def test_what_was_left_behind_is_gone_and_so_is_the_emulation_at_the_end(found):
 
 def test_a_drive_over_messages_is_measured_on_any_kernel(tmp_path):
     scenario = load_scenario("point-obstacle")
-    found = drive(scenario, "constant:30 loss:5%", "message", tmp_path, seed=1, time_limit=5.0, packets=0)
+    network = choose_network(scenario, read_choice("constant:30 loss:5%"))
+    run = Run(scenario=scenario, network=network, seed=1, time_limit=5.0)
+    found = drive(run, "message", tmp_path, packets=0)
     assert 0.060 <= found.rtt["p50"] <= found.rtt["p99"], found
     assert found.drawn == pytest.approx(0.030)
     assert 0.0 < found.lost < 0.2
     assert not found.finished
+    bad = Network(uplink=Way("gausian:1,1", NONE), downlink=network.downlink)
     with pytest.raises(InputError, match=r"netem did not start: network .*gausian"):
-        drive(scenario, "gausian:1,1", "message", tmp_path, seed=1, time_limit=2.0, packets=0)
+        drive(msgspec.structs.replace(run, network=bad), "message", tmp_path, packets=0)
 
 
 def test_without_net_admin_it_is_refused_in_one_line():
     hosts = Hosts()
     try:
-        words = ["--backend", "tc", "--network", "constant:10", "--insecure"]
-        words += ["--listen-operator", f"tcp/{NETEM_FOR_OPERATOR}:7447"]
-        words += ["--listen-robot", f"tcp/{NETEM_FOR_ROBOT}:7448"]
+        words = NetemWords(
+            backend="tc",
+            network="constant:10",
+            insecure=True,
+            listen_operator=f"tcp/{NETEM_FOR_OPERATOR}:7447",
+            listen_robot=f"tcp/{NETEM_FOR_ROBOT}:7448",
+        ).words()
         without = ["setpriv", "--bounding-set=-net_admin", "--inh-caps=-net_admin"]
-        command = [*without, sys.executable, "-m", "farhand", "netem", *words]
+        command = [*without, sys.executable, "-m", "farhand", *words]
         done = subprocess.run(
             hosts.command_on("netem", *command), capture_output=True, text=True, timeout=60, check=False
         )

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from farhand.programs.command_line import NetemWords, RobotWords
 from farhand.site.certificates import issue, make_authority
 from farhand.trials.faults.attacks import attacks, perform
 from farhand.trials.faults.rig import Rig
@@ -57,13 +58,20 @@ def hosts(tmp_path_factory):
     make_authority(folder / "other")
     issue(folder / "other", "operator", "alice", ["point"])
     hosts = Hosts()
-    words = ["farhand", "netem", "--tls", str(certs / "netem.lab"), "--uplink", "loss:70%"]
-    words += ["--listen-operator", "tls/0.0.0.0:7447", "--listen-robot", "tls/0.0.0.0:7448"]
-    ready = folder / "ready"
-    hosts.start("netem", *words, "--ready-file", str(ready), log=folder / "netem.log")
-    words = ["farhand", "robot", "--tls", str(certs / "robot.point"), "--robot", "point"]
-    words += ["--scenario", "point-obstacle", "--connect", f"tls/{NETEM_FOR_ROBOT}:7448"]
-    hosts.start("robot", *words, log=folder / "robot.log")
+    netem = NetemWords(
+        tls=str(certs / "netem.lab"),
+        uplink="loss:70%",
+        listen_operator="tls/0.0.0.0:7447",
+        listen_robot="tls/0.0.0.0:7448",
+    )
+    hosts.start("netem", "farhand", *netem.words(), log=folder / "netem.log")
+    robot = RobotWords(
+        tls=str(certs / "robot.point"),
+        robot="point",
+        scenario="point-obstacle",
+        connect=(f"tls/{NETEM_FOR_ROBOT}:7448",),
+    )
+    hosts.start("robot", "farhand", *robot.words(), log=folder / "robot.log")
     yield hosts, folder
     hosts.close()
 
