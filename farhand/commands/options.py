@@ -9,6 +9,7 @@ from farhand.common.kinds import Kinds
 from farhand.operator_side.control.registry import SOLVERS
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.operator_side.steering.registry import DEVICES
 from farhand.programs.command_line import DEFAULT_NETWORK
 
 if TYPE_CHECKING:
@@ -39,6 +40,9 @@ PredictorOption = Annotated[
 ]
 SolverOption = Annotated[
     str | None, typer.Option(help=f"Solver: {', '.join(SOLVERS.names())} [default: scenario's].")
+]
+SteerOption = Annotated[
+    str | None, typer.Option(help=f"What steers: {', '.join(DEVICES.names())} [default: scenario's].")
 ]
 SetOption = Annotated[
     list[str] | None,
@@ -78,31 +82,36 @@ RealtimeOption = Annotated[
 ]
 
 
-def chosen_scenario(
-    name: str,
-    margin: str | None,
-    predictor: str | None,
-    solver: str | None,
-    settings: list[str] | None,
-) -> "Scenario":
-    """The scenario with the options' replacements; raises InputError."""
-    from farhand.runs.scenario import load_scenario, replace_setting
+_KINDS: dict[str, tuple[str, Kinds[Any]]] = {
+    "margin": ("margin.kind", MARGINS),
+    "predictor": ("operator.predictor", PREDICTORS),
+    "solver": ("controller.solver", SOLVERS),
+    "steer": ("steering.kind", DEVICES),
+}
 
-    scenario = load_scenario(name)
-    chosen: tuple[tuple[str, str | None, str, Kinds[Any]], ...] = (
-        ("--margin", margin, "margin.kind", MARGINS),
-        ("--predictor", predictor, "operator.predictor", PREDICTORS),
-        ("--solver", solver, "controller.solver", SOLVERS),
-    )
-    for option, value, key, kinds in chosen:
-        if value is None:
-            continue
-        if value not in kinds:
-            kinds.get(value, option)
-        scenario = replace_setting(scenario, key, value)
-    for setting in settings or []:
-        scenario = replace_setting(scenario, *parse_setting(setting))
-    return scenario
+
+def chosen_scenario(name: str, settings: list[str] | None, **kinds: str | None) -> "Scenario":
+    """The scenario with the options' replacements, judged together.
+
+    Args:
+        name: of the scenario, or its file.
+        settings: KEY=VALUE, as said with --set; these go before the kinds.
+        kinds: what --margin, --predictor, --solver and --steer say; None: nothing.
+
+    Raises:
+        InputError: one of them cannot be.
+    """
+    from farhand.runs.scenario import load_scenario, replace_settings
+
+    replaced: dict[str, object] = {}
+    for option, value in kinds.items():
+        key, known = _KINDS[option]
+        if value is not None:
+            if value not in known:
+                known.get(value, f"--{option}")
+            replaced[key] = value
+    replaced.update(parse_setting(setting) for setting in settings or [])
+    return replace_settings(load_scenario(name), replaced)
 
 
 def chosen_network(

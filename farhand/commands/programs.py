@@ -18,6 +18,7 @@ from farhand.commands.options import (
     SeedOption,
     SetOption,
     SolverOption,
+    SteerOption,
     TlsOption,
     chosen_scenario,
 )
@@ -31,6 +32,7 @@ def operator(
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
+    steer: SteerOption = None,
     settings: SetOption = None,
     report: Annotated[
         str, typer.Option(help="Publish a report of every tick on this local endpoint, for `farhand watch`.")
@@ -61,7 +63,9 @@ def operator(
     from farhand.common.process.security import local_endpoint
     from farhand.programs.programs import check_writable, operator_program
 
-    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    chosen = chosen_scenario(
+        scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
+    )
     check_writable(record, "--record")
     check_writable(result, "--result")
     endpoints = connect or ([] if listen else [local_endpoint(7447, tls)])
@@ -100,7 +104,7 @@ def robot(
     from farhand.common.process.security import local_endpoint
     from farhand.programs.programs import check_writable, robot_program
 
-    chosen = chosen_scenario(scenario, None, None, None, settings)
+    chosen = chosen_scenario(scenario, settings)
     check_writable(result, "--result")
     endpoints = connect or ([] if listen else [local_endpoint(7448, tls)])
     raise typer.Exit(

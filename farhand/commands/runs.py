@@ -15,6 +15,7 @@ from farhand.commands.options import (
     SeedOption,
     SetOption,
     SolverOption,
+    SteerOption,
     TimeLimitOption,
     TimelineOption,
     UplinkOption,
@@ -35,6 +36,7 @@ def demo(
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
+    steer: SteerOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = 90.0,
@@ -49,7 +51,9 @@ def demo(
     from farhand.demo.demo import run_demo
     from farhand.runs.run import Run
 
-    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    chosen = chosen_scenario(
+        scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
+    )
     run = Run(
         scenario=chosen,
         network=chosen_network(chosen, scenario, network, uplink, downlink),
@@ -68,6 +72,7 @@ def simulate(
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
+    steer: SteerOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = 90.0,
@@ -82,7 +87,9 @@ def simulate(
     from farhand.laboratory.simulate_run import run_simulation
     from farhand.runs.run import Run
 
-    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    chosen = chosen_scenario(
+        scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
+    )
     run = Run(
         scenario=chosen,
         network=chosen_network(chosen, scenario, network, uplink, downlink),
@@ -115,7 +122,7 @@ def summarise(
     from farhand.runs.conclude import run_summarise
     from farhand.runs.run import Run
 
-    chosen = chosen_scenario(scenario, margin, predictor, solver, settings)
+    chosen = chosen_scenario(scenario, settings, margin=margin, predictor=predictor, solver=solver)
     run = Run(
         scenario=chosen,
         network=chosen_network(chosen, scenario, network, uplink, downlink),

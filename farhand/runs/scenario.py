@@ -6,6 +6,7 @@ The sections are typed by the sides that own them. SI units throughout (m, s, m/
 import os
 import re
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -133,15 +134,22 @@ def scenario_to_table(scenario: Scenario) -> dict[str, Any]:
 
 def replace_setting(scenario: Scenario, dotted: str, value: object) -> Scenario:
     """The scenario with one setting replaced, e.g. `controller.gamma`; raises ScenarioError."""
+    return replace_settings(scenario, {dotted: value})
+
+
+def replace_settings(scenario: Scenario, settings: Mapping[str, object]) -> Scenario:
+    """The scenario with settings replaced, judged together, whatever their order; raises ScenarioError."""
     table = scenario_to_table(scenario)
-    place: Any = table
-    *parents, last = dotted.split(".")
-    for key in parents:
-        place = place.setdefault(key, {}) if isinstance(place, dict) else None
-    if not isinstance(place, dict):
-        raise ScenarioError(f"setting {dotted!r}: no such key in a scenario")
-    place[last] = value
-    return scenario_from_table(table, f"setting {dotted}")
+    for dotted, value in settings.items():
+        place: Any = table
+        *parents, last = dotted.split(".")
+        for key in parents:
+            place = place.setdefault(key, {}) if isinstance(place, dict) else None
+        if not isinstance(place, dict):
+            raise ScenarioError(f"setting {dotted!r}: no such key in a scenario")
+        place[last] = value
+    names = ", ".join(settings)
+    return scenario_from_table(table, f"setting {names}") if settings else scenario
 
 
 def _with_own_tables(table: dict[str, Any]) -> dict[str, Any]:
