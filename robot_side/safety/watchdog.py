@@ -124,26 +124,33 @@ class Watchdog:
             return self._judge_outsider(command, now_ns)
         if self._is_old(command):
             return "old-seq"
-        stale = self._staleness(command, now_ns)
-        if free:
-            if command.mode == "release":
-                return "foreign-session"
-            if stale or self._unaware(command):
-                return stale or _outside(command)
+        if free and command.mode == "release":
+            return "foreign-session"
+        unfit = self._unfitness(command, now_ns)
+        if free and unfit:
+            return unfit
         lease.grant(command.session, command.source, now_ns)
         self._note_seq(command)
+        return self._judge_holder(command, unfit, now_ns)
+
+    def _judge_holder(self, command: VelocityCommand, unfit: str, now_ns: int) -> str:
+        """Why a command of the one in control is refused; standing still is never refused."""
         if command.mode == "hold" or (command.mode == "release" and not command.successor):
             return ""
-        if stale or self._unaware(command):
-            return stale or _outside(command)
-        if command.mode == "release" and not lease.waits(command.successor, now_ns):
-            return "no-successor"
-        if command.mode == "run":
-            if self.latched:
-                return "stopped"
-            if _fastest(command) > self._max_speed:
-                return "too-fast"
-        return ""
+        if unfit:
+            return unfit
+        if command.mode == "release":
+            return "" if self.lease.waits(command.successor, now_ns) else "no-successor"
+        if command.mode != "run":
+            return ""
+        if self.latched:
+            return "stopped"
+        return "too-fast" if _fastest(command) > self._max_speed else ""
+
+    def _unfitness(self, command: VelocityCommand, now_ns: int) -> str:
+        """Why the command must not move anything, or an empty string."""
+        stale = self._staleness(command, now_ns)
+        return stale or (_outside(command) if self._unaware(command) else "")
 
     def _judge_outsider(self, command: VelocityCommand, now_ns: int) -> str:
         """Why a command from outside the lease is refused; who asks for control properly is remembered."""
