@@ -2,8 +2,9 @@
 # make test   run all tests
 # make check  style, types, and the one way of imports
 # make bench  speed, as ratios from one run
+# make golden renew, on purpose, what the golden runs give, and say what changed
 # make faults what breaks on a real network, on three hosts in namespaces (root)
-.PHONY: demo test check bench .venv clean faults
+.PHONY: demo test check bench golden .venv clean faults
 
 demo: .venv
 	@.venv/bin/farhand demo $(ARGS)
@@ -19,6 +20,9 @@ check: .venv
 
 bench: .venv
 	@.venv/bin/python -m benchmarks $(ARGS)
+
+golden: .venv
+	@.venv/bin/python -m tests.farhand.laboratory.golden
 
 faults: .venv
 	@.venv/bin/python -m farhand.trials.faults.runner $(ARGS)

@@ -12,7 +12,7 @@ def problem(
     desired: Sequence[float] = (0.25, 0.0, 0.0),
     centres: Sequence[Sequence[float]] = (),
     radii: Sequence[float] = (),
-    velocities: Sequence[Sequence[float]] | None = None,
+    velocities: Sequence[float] | Sequence[Sequence[float]] = (0.0, 0.0, 0.0),
     sigma: float | Sequence[float] = 0.0,
 ) -> ControlProblem:
     """One tick's problem, in arrays of its own.
@@ -22,19 +22,18 @@ def problem(
         desired: velocity (m/s).
         centres: n of three (m).
         radii: n, all that must be kept clear included (m).
-        velocities: n of three (m/s); None: nothing moves.
+        velocities: of the obstacles, one for all or n of three (m/s).
         sigma: the paper's margin, one for all or n (m^2).
 
     Raises:
         ValueError: there are not as many centres as radii.
     """
     n = len(radii)
-    moving = np.zeros((n, 3)) if velocities is None else np.array(velocities, dtype=float)
     return ControlProblem(
         position=np.array(position, dtype=float),
         desired=np.array(desired, dtype=float),
         centres=np.array(centres, dtype=float).reshape(n, 3),
         radii=np.array(radii, dtype=float),
-        velocities=moving.reshape(n, 3),
+        velocities=np.zeros((n, 3)) + np.array(velocities, dtype=float),
         sigmas=np.full(n, sigma, dtype=float),
     )

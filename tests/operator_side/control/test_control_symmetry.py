@@ -1,5 +1,6 @@
 """What may change nothing: the order of obstacles, mirrors, turns by axes, shifts, obstacles far away."""
 
+from dataclasses import replace
 from itertools import permutations, product
 
 import numpy as np
@@ -68,13 +69,12 @@ def test_the_order_of_obstacles(seed):
 @given(SEEDS, st.sampled_from(TURNS))
 def test_mirrors_and_turns_by_axes(seed, turn):
     problem = random_problem(seed)
-    turned = ControlProblem(
-        turn @ problem.position,
-        turn @ problem.desired,
-        problem.centres @ turn.T,
-        problem.radii,
-        problem.velocities @ turn.T,
-        problem.sigmas,
+    turned = replace(
+        problem,
+        position=turn @ problem.position,
+        desired=turn @ problem.desired,
+        centres=problem.centres @ turn.T,
+        velocities=problem.velocities @ turn.T,
     )
     assert_alike(solve(problem), solve(turned), turn)
 
@@ -84,14 +84,7 @@ def test_mirrors_and_turns_by_axes(seed, turn):
 def test_a_shift_of_the_origin(seed, shift):
     problem = random_problem(seed)
     by = np.array(shift)
-    moved = ControlProblem(
-        problem.position + by,
-        problem.desired,
-        problem.centres + by,
-        problem.radii,
-        problem.velocities,
-        problem.sigmas,
-    )
+    moved = replace(problem, position=problem.position + by, centres=problem.centres + by)
     assert_alike(solve(problem), solve(moved))
 
 

@@ -3,6 +3,7 @@
 import builtins
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from farhand.operator_side.control.newton import NewtonController
 from farhand.operator_side.control.registry import SOLVERS, make_controller
 from farhand.operator_side.control.sqp import SLOTS, SqpController
 from farhand.operator_side.settings import ControllerSettings
+from farhand.testing import problem as make_problem
 
 SETTINGS = ControllerSettings()
 ROOT = Path(__file__).resolve().parents[3]
@@ -38,20 +40,7 @@ ALL = [
 MPC = ALL[:4]
 
 
-def scene(position=(0, 0, 0), desired=(0.25, 0, 0), centres=(), radii=(), sigma=0.002, velocities=None):
-    n = len(radii)
-    centres = np.array(centres, dtype=float).reshape(n, 3)
-    moving = np.zeros((n, 3)) if velocities is None else np.array(velocities, dtype=float)
-    return ControlProblem(
-        np.array(position, dtype=float),
-        np.array(desired, dtype=float),
-        centres,
-        np.array(radii, dtype=float),
-        moving,
-        np.full(n, float(sigma)),
-    )
-
-
+scene = partial(make_problem, sigma=0.002)
 AHEAD = scene(centres=[(0.25, 0.01, 0.0)], radii=[0.15])
 
 

@@ -1,5 +1,7 @@
 """A plan that would drive deeper in is never sent, whatever the solver said."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,11 +12,13 @@ from farhand.operator_side.control.checks.fallback import NEAR, safe_plan
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status
 from farhand.operator_side.control.newton import NewtonController
 from farhand.operator_side.settings import ControllerSettings
+from farhand.testing import problem as make_problem
 
 SETTINGS = ControllerSettings()
 SEEDS = st.integers(0, 2**32 - 1)
 CHECKED = [Status.ELASTIC, Status.CAPPED, Status.INFEASIBLE]
 FINE = 50  # points along each step
+INSIDE = make_problem((0.14, 0.0, 0.0), (0.0, 0.0, 0.0), centres=[(0.0, 0.0, 0.0)], radii=[0.15])
 
 
 def random_problem(seed, moving):
@@ -79,14 +83,7 @@ def test_any_plan_with_a_status_that_is_not_good(seed, status, moving):
 def test_what_the_solver_really_says_from_anywhere(seed, moving, way):
     problem = random_problem(seed, moving)
     if way == "far":  # fast enough to pass through small obstacles
-        problem = ControlProblem(
-            problem.position,
-            4 * problem.desired,
-            problem.centres,
-            problem.radii,
-            problem.velocities,
-            problem.sigmas,
-        )
+        problem = replace(problem, desired=4 * problem.desired)
     controller = NewtonController(SETTINGS)
     for _ in range(3):
         solution = controller.solve(problem)
@@ -127,38 +124,22 @@ def test_a_plan_that_is_not_finite_is_a_stop():
 
 
 def test_leaving_is_allowed_and_entering_is_not():
-    inside = ControlProblem(
-        np.array([0.14, 0.0, 0.0]),
-        np.zeros(3),
-        np.zeros((1, 3)),
-        np.array([0.15]),
-        np.zeros((1, 3)),
-        np.zeros(1),
-    )
     out = np.tile([0.2, 0.0, 0.0], (10, 1))
     for status in CHECKED:
-        assert safe_plan(inside, ControlSolution(out, status), SETTINGS)[1] == ""
-        plan, reason = safe_plan(inside, ControlSolution(-out, status), SETTINGS)
+        assert safe_plan(INSIDE, ControlSolution(out, status), SETTINGS)[1] == ""
+        plan, reason = safe_plan(INSIDE, ControlSolution(-out, status), SETTINGS)
         assert not plan.any()
         assert "stopped" in reason
     # even where the far side would be reached within one step
     leap = structs.replace(SETTINGS, period=1.0, speed_limit=(1.0, 1.0, 1.0))
-    plan, _ = safe_plan(inside, ControlSolution(-5 * out, Status.CAPPED), leap)
+    plan, _ = safe_plan(INSIDE, ControlSolution(-5 * out, Status.CAPPED), leap)
     assert not plan.any()
 
 
 def test_an_optimal_plan_deeper_in_is_not_sent_either():
     """From inside, through the obstacle can be a local optimum of the paper's problem."""
-    inside = ControlProblem(
-        np.array([0.14, 0.0, 0.0]),
-        np.zeros(3),
-        np.zeros((1, 3)),
-        np.array([0.15]),
-        np.zeros((1, 3)),
-        np.zeros(1),
-    )
     through = np.tile([-0.2, 0.0, 0.0], (10, 1))
-    plan, reason = safe_plan(inside, ControlSolution(through, Status.OPTIMAL), SETTINGS)
+    plan, reason = safe_plan(INSIDE, ControlSolution(through, Status.OPTIMAL), SETTINGS)
     assert not plan.any()
     assert reason
 

@@ -1,5 +1,7 @@
 """From inside a margin that grew over the robot: never deeper, and out of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -7,9 +9,9 @@ from hypothesis import strategies as st
 
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import JUST_OUTSIDE, eased
-from farhand.operator_side.control.controller import ControlProblem
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.settings import ControllerSettings
+from farhand.testing import problem as make_problem
 
 SETTINGS = ControllerSettings()
 CONTROLLER = make_controller(SETTINGS)
@@ -26,14 +28,8 @@ def problem_of(position, wanted, obstacles):
     directions = np.array([np.array(d) / np.linalg.norm(d) for d, *_ in obstacles])
     radii = np.array([r for _, r, _, _ in obstacles])
     depth = np.array([share * r for _, r, share, _ in obstacles])
-    return ControlProblem(
-        position=np.array(position),
-        desired=np.array(wanted),
-        centres=np.array(position) + directions * (radii - depth)[:, None],
-        radii=radii,
-        velocities=np.zeros((len(obstacles), 3)),
-        sigmas=np.array([s for *_, s in obstacles]),
-    )
+    centres = position + directions * (radii - depth)[:, None]
+    return make_problem(position, wanted, centres, radii, sigma=[s for *_, s in obstacles])
 
 
 def room(problem, position):
@@ -69,10 +65,7 @@ def test_out_of_a_single_margin_whatever_is_desired(wanted, direction, radius, s
     reach = np.sqrt(radius**2 + sigma)
     position, ticks = problem.position, 0
     while room(problem, position)[0] < -1e-3 * reach**2:
-        start = ControlProblem(
-            position, problem.desired, problem.centres, problem.radii, problem.velocities, problem.sigmas
-        )
-        position = position + SETTINGS.period * plan_of(start)[0]
+        position = position + SETTINGS.period * plan_of(replace(problem, position=position))[0]
         ticks += 1
         assert ticks < 150, "it stays inside"
 
@@ -92,7 +85,7 @@ def test_the_eased_problem_is_the_same_but_for_the_margins_around_the_robot(want
     assert easier.radii[inside] == pytest.approx(gaps[inside] * JUST_OUTSIDE)
     assert np.array_equal(easier.radii[~inside], problem.radii[~inside])
     assert np.all(easier.sigmas[inside] == 0.0)
-    deepest = int(np.argmin(gaps - np.sqrt(problem.radii**2 + problem.sigmas)))
+    deepest = int(np.argmin(gaps - reach))
     normal = (problem.position - problem.centres[deepest]) / gaps[deepest]
     if inside.sum() == 1:
         assert normal @ easier.desired > 0.0
