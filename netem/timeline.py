@@ -13,20 +13,16 @@ do = "outage"
 length = 2.0           # s
 """
 
-import sys
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import to_ns
+from farhand.common.toml import parse_toml, read_toml
 from farhand.netem.action import Action
 from farhand.netem.netem_node import NetemNode
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 MAX_TIME = 1e6
 
@@ -88,19 +84,17 @@ class Timeline:
 
 def load_timeline(path: str | Path) -> Timeline:
     """The timeline in a TOML file; raises InputError with the step and what is wrong with it."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise InputError(f"timeline {path}: cannot be read: {error}") from None
-    return parse_timeline(text, str(path))
+    return _timeline(read_toml(path, "timeline"), str(path))
 
 
 def parse_timeline(text: str, where: str) -> Timeline:
     """The timeline in a TOML text; `where` names the source in errors."""
+    return _timeline(parse_toml(text, f"timeline {where}"), where)
+
+
+def _timeline(table: dict[str, Any], where: str) -> Timeline:
     try:
-        file = msgspec.convert(tomllib.loads(text), _File)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"timeline {where}: not valid TOML: {error}") from None
+        file = msgspec.convert(table, _File)
     except msgspec.ValidationError as error:
         raise InputError(f"timeline {where}: {error}") from None
     last = 0.0

@@ -6,6 +6,7 @@ import typer
 
 from farhand.common.errors import InputError
 from farhand.common.kinds import Kinds
+from farhand.common.toml import parse_toml
 from farhand.operator_side.control.registry import SOLVERS
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
@@ -134,15 +135,9 @@ def parse_setting(setting: str) -> tuple[str, object]:
 
 def parse_value(text: str) -> object:
     """A TOML value; what is not one is taken as a string."""
-    import sys
-
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
     try:
-        return tomllib.loads(f"v = {text}")["v"]
-    except tomllib.TOMLDecodeError:
+        return parse_toml(f"v = {text}", "--set")["v"]
+    except InputError:
         return text
 
 

@@ -8,7 +8,6 @@ quantile (oran, wifi-moving), short stalls are taken to make up three quarters o
 and outages of seconds the rest.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,14 +15,9 @@ import msgspec
 import numpy as np
 
 from farhand.common.errors import TraceError
+from farhand.common.toml import read_toml
 from farhand.netem.models.model import DelayModel, Episodes, Jitter, UniformJitter
 from farhand.netem.models.sampler import ModelSampler
-from farhand.netem.recordings.trace import read_text
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 
 @dataclass(frozen=True)
@@ -213,10 +207,8 @@ class _ModelFile(msgspec.Struct, forbid_unknown_fields=True):
 
 def load_model(path: str | Path) -> Profile:
     """Read a model that `farhand trace fit --out` wrote; raises TraceError that names the key."""
-    text = read_text(path)
     try:
-        content = tomllib.loads("\n".join(text.lines))
-        found = msgspec.convert(content, _ModelFile)
-    except (tomllib.TOMLDecodeError, msgspec.ValidationError, RecursionError) as error:
+        found = msgspec.convert(read_toml(path, "model", TraceError), _ModelFile)
+    except (msgspec.ValidationError, RecursionError) as error:
         raise TraceError(f"model {path}: {' '.join(str(error).split())}") from None
     return Profile(f"model:{path}", found.description, found.model)

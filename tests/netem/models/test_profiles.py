@@ -161,7 +161,7 @@ def test_descriptions_are_one_short_line_each():
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("", "is empty"),
+        ("", "missing required field `model`"),
         ("x = ", "nvalid value"),
         ("x = 1", "x"),
         ('[model]\npath = "both"\nfloor = 0.1', "model.path"),
