@@ -144,9 +144,10 @@ def parse_value(text: str) -> object:
 def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table.grid(padding=(0, 2))
     for name, line in rows:
-        table.add_row(f"[bold]{name}[/bold]", line)
+        table.add_row(f"[bold]{escape(name)}[/bold]", escape(line))
     Console().print(table)

@@ -20,13 +20,15 @@ class Corrupt(Word, frozen=True):
 
     probability: float
     correlation: float = 0.0
+    name: ClassVar[str] = "corrupt"
+    example: ClassVar[str] = "corrupt:0.1%"
+    description: ClassVar[str] = "one bit of a message in a thousand is flipped"
     kind: ClassVar[str] = "corrupt"
     stage: ClassVar[Stage] = Stage.CORRUPT
 
     @classmethod
     def parse(cls, reader: Reader) -> "Corrupt":
         """`:P[,CORRELATION%]`."""
-        reader.example = "corrupt:0.1%"
         reader.expect(":", "the probability of a flipped bit")
         return cls(reader.probability("the probability of a flipped bit"), reader.optional_correlation())
 
@@ -41,7 +43,7 @@ class Corrupt(Word, frozen=True):
         return _Corrupt(events, context.rng("corrupt-bit"))
 
 
-class _Corrupt:
+class _Corrupt(Impairment):
     def __init__(self, events: RandomEvents, rng: np.random.Generator) -> None:
         self._events = events
         self._random = rng.random

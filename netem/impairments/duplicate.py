@@ -20,13 +20,15 @@ class Duplicate(Word, frozen=True):
 
     probability: float
     correlation: float = 0.0
+    name: ClassVar[str] = "duplicate"
+    example: ClassVar[str] = "duplicate:1%"
+    description: ClassVar[str] = "a message in a hundred comes twice"
     kind: ClassVar[str] = "duplicate"
     stage: ClassVar[Stage] = Stage.DUPLICATE
 
     @classmethod
     def parse(cls, reader: Reader) -> "Duplicate":
         """`:P[,CORRELATION%]`."""
-        reader.example = "duplicate:1%"
         reader.expect(":", "the probability of a copy")
         return cls(reader.probability("the probability of a copy"), reader.optional_correlation())
 
@@ -40,7 +42,7 @@ class Duplicate(Word, frozen=True):
         return _Duplicate(RandomEvents(context, "duplicate", self.probability, self.correlation))
 
 
-class _Duplicate:
+class _Duplicate(Impairment):
     def __init__(self, events: RandomEvents) -> None:
         self._events = events
 

@@ -3,24 +3,26 @@
 import math
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from farhand.netem.impairments.delay import Sampler
+from farhand.netem.impairments.base import Context, Impairment, LossModel, Stage, Transit, Word
 from farhand.netem.impairments.loss_markov import MarkovLoss
 from farhand.netem.impairments.loss_random import RandomEvents, RandomLoss
-from farhand.netem.impairments.replay import Options, open_trace, options_text, parse_options
+from farhand.netem.impairments.trace_file import Options, open_trace, options_text, parse_options
+from farhand.netem.recordings.playback import DelaySampler
 from farhand.netem.words.reader import Reader, path_text, percent_text
 
 
 class LossWord(Word, frozen=True):
     """Any of the loss models."""
 
+    name: ClassVar[str] = "loss"
+    example: ClassVar[str] = "loss:1% or loss:gilbert(1%,10%)"
+    description: ClassVar[str] = "messages are lost at random, or in bursts"
     kind: ClassVar[str] = "loss"
     stage: ClassVar[Stage] = Stage.LOSS
 
     @classmethod
     def parse(cls, reader: Reader) -> "LossWord":
         """`:P[,CORRELATION%]`, `:gilbert(...)`, `:state(...)` or `:trace(FILE...)`."""
-        reader.example = "loss:1% or loss:gilbert(1%,10%)"
         reader.expect(":", "the loss")
         for name, form in FORMS.items():
             if reader.take(f"{name}("):
@@ -181,17 +183,13 @@ class LossTrace(LossWord, frozen=True):
         return _TraceLoss(sampler)
 
 
-class _TraceLoss:
-    def __init__(self, sampler: Sampler) -> None:
+class _TraceLoss(LossModel):
+    def __init__(self, sampler: DelaySampler) -> None:
         self._sampler = sampler
 
     def loses(self, transit: Transit, instant_ns: int) -> bool:
         delay = self._sampler.draw(instant_ns)
         return delay is None or math.isnan(delay)
-
-    def apply(self, transit: Transit) -> None:
-        if self.loses(transit, transit.arrived_ns):
-            transit.cause = transit.cause or "loss"
 
 
 FORMS: dict[str, type[LossWord]] = {

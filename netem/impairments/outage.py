@@ -10,7 +10,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.impairments.base import Context, Impairment, LossModel, Scope, Stage, Transit, Word
 from farhand.netem.words.reader import MAX_DURATION_NS, Reader, seconds_text
 
 Form = Literal["every", "at", "random"]
@@ -30,6 +30,9 @@ class Outage(Word, frozen=True):
     form: Form
     times_ns: tuple[int, ...]
     hold: bool = False
+    name: ClassVar[str] = "outage"
+    example: ClassVar[str] = "outage:every(30s,2s) or outage:at(5s,2s,hold)"
+    description: ClassVar[str] = "times without a network"
     kind: ClassVar[str] = "outage"
     stage: ClassVar[Stage] = Stage.OUTAGE
     scope: ClassVar[Scope] = Scope.LINK
@@ -37,7 +40,6 @@ class Outage(Word, frozen=True):
     @classmethod
     def parse(cls, reader: Reader) -> "Outage":
         """`:FORM(TIME,TIME...[,hold|drop])`."""
-        reader.example = "outage:every(30s,2s) or outage:at(5s,2s,hold)"
         reader.expect(":", "every(...), at(...) or random(...)")
         for form in FORMS:
             if reader.take(f"{form}("):
@@ -140,7 +142,7 @@ class _Random(Windows):
         return super().end_ns(instant_ns)
 
 
-class OutageStage:
+class OutageStage(LossModel):
     """Drops or holds what arrives in an outage.
 
     Args:

@@ -22,6 +22,9 @@ class Rate(Word, frozen=True):
 
     bits_per_second: int
     queue: int = DEFAULT_QUEUE
+    name: ClassVar[str] = "rate"
+    example: ClassVar[str] = "rate:2mbit or rate:2mbit,64kB"
+    description: ClassVar[str] = "bytes leave at this rate, from a queue of bounded size"
     kind: ClassVar[str] = "rate"
     stage: ClassVar[Stage] = Stage.RATE
     scope: ClassVar[Scope] = Scope.LINK
@@ -29,7 +32,6 @@ class Rate(Word, frozen=True):
     @classmethod
     def parse(cls, reader: Reader) -> Word:
         """`:RATE[,QUEUE]` or `:trace(FILE[,QUEUE])`."""
-        reader.example = "rate:2mbit or rate:2mbit,64kB"
         reader.expect(":", "the rate")
         if reader.take("trace("):
             return RateByTrace.arguments(reader)
@@ -48,7 +50,7 @@ class Rate(Word, frozen=True):
         return _Rate(self.bits_per_second, self.queue)
 
 
-class _Rate:
+class _Rate(Impairment):
     def __init__(self, bits_per_second: int, queue: int) -> None:
         self._rate = bits_per_second
         self._queue = queue

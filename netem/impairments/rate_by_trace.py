@@ -22,6 +22,9 @@ class RateByTrace(Word, frozen=True):
 
     path: str
     queue: int = DEFAULT_QUEUE
+    name: ClassVar[str] = "rate"
+    example: ClassVar[str] = "rate:trace(verizon.up,64kB)"
+    description: ClassVar[str] = "a recorded rate"
     kind: ClassVar[str] = "rate"
     stage: ClassVar[Stage] = Stage.RATE
     scope: ClassVar[Scope] = Scope.LINK
@@ -49,7 +52,7 @@ class RateByTrace(Word, frozen=True):
         return _Deliveries(_load(self.path).schedule(), self.queue)
 
 
-class _Deliveries:
+class _Deliveries(Impairment):
     def __init__(self, schedule: DeliverySchedule, queue: int) -> None:
         self._schedule = schedule
         self._queue = queue

@@ -25,6 +25,9 @@ class Slot(Word, frozen=True):
     shortest_ns: int
     longest_ns: int
     count: int = 0
+    name: ClassVar[str] = "slot"
+    example: ClassVar[str] = "slot:20 or slot:20,30,4"
+    description: ClassVar[str] = "messages leave only at instants 20 ms apart"
     kind: ClassVar[str] = "slot"
     stage: ClassVar[Stage] = Stage.SLOT
     scope: ClassVar[Scope] = Scope.LINK
@@ -32,7 +35,6 @@ class Slot(Word, frozen=True):
     @classmethod
     def parse(cls, reader: Reader) -> "Slot":
         """`:MIN[,MAX[,COUNT]]`, ms."""
-        reader.example = "slot:20 or slot:20,30,4"
         start = reader.position + 1
         reader.expect(":", "the slots' spacing in ms")
         shortest_ns = reader.duration_ns("the slots' spacing in ms")
@@ -60,7 +62,7 @@ class Slot(Word, frozen=True):
         return _Slots(self, context.rng("slot"), context.origin_ns)
 
 
-class _Slots:
+class _Slots(Impairment):
     def __init__(self, word: Slot, rng: np.random.Generator, origin_ns: int) -> None:
         self._word = word
         self._rng = rng

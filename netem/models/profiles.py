@@ -195,11 +195,6 @@ _ALL = (
 PROFILES: dict[str, Profile] = {profile.name: profile for profile in _ALL}
 
 
-def describe_profiles() -> list[tuple[str, str]]:
-    """Name and one line of each built-in profile."""
-    return [(profile.name, profile.description) for profile in _ALL]
-
-
 class _ModelFile(msgspec.Struct, forbid_unknown_fields=True):
     model: DelayModel
     description: str = ""

@@ -17,7 +17,7 @@ from farhand.common.errors import TraceError
 from farhand.common.timing.clock import to_ns
 from farhand.netem.recordings.formats import READERS
 from farhand.netem.recordings.formats.base import MAX_SAMPLES, UNITS, Kind, ReadOptions, Samples, TraceText
-from farhand.netem.recordings.replay import AtEnd, DelaySampler, TimedReplay, UntimedReplay
+from farhand.netem.recordings.playback import AtEnd, DelaySampler, TimedReplay, UntimedReplay
 
 Gap = Literal["loss", "delay", "ignore"]
 

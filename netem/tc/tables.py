@@ -15,12 +15,13 @@ from scipy.special import gammaincinv, ndtri
 from farhand.common.errors import SpecError
 from farhand.common.geometry import Array
 from farhand.netem.impairments.delay import MeanSdWord
+from farhand.netem.impairments.delay_by_trace import Empirical
 from farhand.netem.impairments.gaussian import Gaussian
 from farhand.netem.impairments.lognormal import LogNormal
+from farhand.netem.impairments.modelled import ModelWord, ProfileWord
 from farhand.netem.impairments.pareto import Pareto, standard_pareto
 from farhand.netem.impairments.paretonormal import NORMAL_PART, PARETO_PART, ParetoNormal
-from farhand.netem.impairments.profile import ModelWord, ProfileWord
-from farhand.netem.impairments.replay import Empirical, open_trace
+from farhand.netem.impairments.trace_file import open_trace
 from farhand.netem.models.model import DelayModel, Jitter, UniformJitter
 from farhand.netem.models.profiles import PROFILES, load_model
 
@@ -92,7 +93,7 @@ def empirical_table(word: Empirical, direction: str) -> Table:
 
 def model_of(word: ProfileWord | ModelWord) -> DelayModel:
     """The model that a word names; raises TraceError, or SpecError where it has episodes."""
-    model = PROFILES[word.name].model if isinstance(word, ProfileWord) else load_model(word.path).model
+    model = PROFILES[word.profile].model if isinstance(word, ProfileWord) else load_model(word.path).model
     if model.episodes:
         raise SpecError(
             f"--backend tc: {word.text()} has stalls or outages, which tc-netem cannot make; use --backend message"

@@ -19,12 +19,12 @@ from farhand.netem.impairments.base import Word
 from farhand.netem.impairments.constant import Constant
 from farhand.netem.impairments.corrupt import Corrupt
 from farhand.netem.impairments.delay import MeanSdWord
+from farhand.netem.impairments.delay_by_trace import Empirical
 from farhand.netem.impairments.duplicate import Duplicate
 from farhand.netem.impairments.loss import FourState, Gilbert, Random
-from farhand.netem.impairments.profile import ModelWord, ProfileWord
+from farhand.netem.impairments.modelled import ModelWord, ProfileWord
 from farhand.netem.impairments.rate import Rate
 from farhand.netem.impairments.reorder import Reorder
-from farhand.netem.impairments.replay import Empirical
 from farhand.netem.impairments.slot import Slot
 from farhand.netem.impairments.uniform import Uniform
 from farhand.netem.spec import Spec

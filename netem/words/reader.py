@@ -26,11 +26,17 @@ class Reader:
 
     Args:
         text: the whole SPEC.
+
+    Attributes:
+        position: of the next character.
+        word: name of the word whose parameters are being read.
+        example: what would be right, for errors.
     """
 
     def __init__(self, text: str) -> None:
         self.text = text
         self.position = 0
+        self.word = ""
         self.example = ""
 
     def fail(self, problem: str, position: int | None = None) -> NoReturn:

@@ -1,0 +1,61 @@
+"""A recording that a word names: its file and options, `FILE[,OPTION=VALUE...]`, and the open trace.
+
+The options are those of `load_trace`: unit, column, period (ms), kind, format, gap, at_end, share.
+"""
+
+import os
+from functools import lru_cache
+from typing import Any
+
+from farhand.netem.recordings.trace import Trace, load_trace
+from farhand.netem.words.reader import Reader, path_text
+
+OPTIONS = ("unit", "column", "period", "kind", "format", "gap", "at_end", "share")
+Options = tuple[tuple[str, str], ...]
+
+
+def parse_options(reader: Reader) -> Options:
+    """Read `,NAME=VALUE` pairs."""
+    found: dict[str, str] = {}
+    while reader.take(","):
+        start = reader.position
+        name = reader.name()
+        if name not in OPTIONS or name in found:
+            reader.fail(f"expected an option of the trace, once each: {', '.join(OPTIONS)}", start)
+        reader.expect("=", f"the value of {name}")
+        start = reader.position
+        if name == "period":
+            milliseconds = reader.number("the period in ms")
+            if not 1e-3 <= milliseconds <= 1e9:
+                reader.fail("the period in ms is out of range", start)
+            found[name] = repr(milliseconds)
+        elif name == "share":
+            found[name] = repr(reader.probability("the uplink's share of a round trip"))
+        else:
+            found[name] = reader.path(f"the value of {name}")
+    return tuple(sorted(found.items()))
+
+
+def options_text(options: Options) -> str:
+    """`,NAME=VALUE` pairs."""
+    return "".join(f",{name}={path_text(value)}" for name, value in options)
+
+
+def open_trace(path: str, options: Options) -> Trace:
+    """The trace; raises TraceError. Read once for all flows, and again when the file has changed."""
+    try:
+        state = os.stat(path)
+        stamp = (state.st_mtime_ns, state.st_size)
+    except (OSError, ValueError):
+        stamp = (0, 0)
+    return _open_trace(path, options, stamp)
+
+
+@lru_cache(maxsize=8)
+def _open_trace(path: str, options: Options, stamp: tuple[int, int]) -> Trace:
+    values: dict[str, Any] = dict(options)
+    if "period" in values:
+        values["period"] = float(values["period"]) / 1000
+    if "share" in values:
+        values["uplink_share"] = float(values.pop("share"))
+    return load_trace(path, **values)
