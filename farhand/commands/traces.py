@@ -19,7 +19,7 @@ trace_app = typer.Typer(
 
 FileArgument = Annotated[Path, typer.Argument(help="The trace.", metavar="FILE")]
 FormatOption = Annotated[
-    str, typer.Option("--format", help="csv, ping, irtt, cicv5g or slots; default: by the content.")
+    str, typer.Option("--format", help="Name of the format, such as ping [default: by the content].")
 ]
 UnitOption = Annotated[str, typer.Option("--unit", help="Unit of the delays: s, ms, us or ns.")]
 ColumnOption = Annotated[str, typer.Option("--column", help="The delay's column: its name, or 1, 2, ...")]
@@ -61,7 +61,8 @@ def show(
     from rich.markup import escape
     from rich.table import Table
 
-    from farhand.netem.recordings.statistics import autocorrelation, draw_trace
+    from farhand.netem.recordings.autocorrelation import autocorrelation
+    from farhand.netem.recordings.delay_figure import draw_trace
     from farhand.netem.recordings.trace import QUANTILES
 
     trace = _load(file, format, unit, column, period, kind, gap)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from farhand.common.errors import TraceError
 from farhand.common.timing.clock import to_ns
-from farhand.netem.recordings.formats import READERS
 from farhand.netem.recordings.formats.base import MAX_SAMPLES, UNITS, Kind, ReadOptions, Samples, TraceText
+from farhand.netem.recordings.formats.registry import format_called, format_of
 from farhand.netem.recordings.playback import AtEnd, DelaySampler, TimedReplay, UntimedReplay
 
 Gap = Literal["loss", "delay", "ignore"]
@@ -132,7 +132,7 @@ def load_trace(
 
     Args:
         path: the file.
-        format: csv, ping, irtt, cicv5g or slots; None looks at the content.
+        format: name of a format (formats/registry.py); None looks at the content.
         unit: of the delays (s, ms, us, ns), where the file does not say it or says it wrong.
         column: the delay's column by name, or by number from 1.
         period: of evenly spaced samples, and of slots (s).
@@ -146,7 +146,6 @@ def load_trace(
     """
     name = str(path)
     for word, value, allowed in (
-        ("format", format, (None, *READERS)),
         ("unit", unit, (None, *UNITS)),
         ("kind", kind, (None, "one-way", "round-trip")),
         ("gap", gap, ("loss", "delay", "ignore")),
@@ -160,21 +159,32 @@ def load_trace(
     if period is not None and not (math.isfinite(period) and period > 0):
         raise TraceError(f"trace {name}: the period is {period} s; it must be positive")
     text = read_text(path)
-    format = format or detect_format(text)
-    samples = READERS[format][1](text, ReadOptions(unit, column, period, kind))
-    if not samples.delays:
-        text.fail("no samples")
-    if len(samples.delays) > MAX_SAMPLES:
-        text.fail(f"{len(samples.delays)} samples; at most {MAX_SAMPLES} can be read")
-    recorded = np.array(samples.delays, dtype=np.float64)
-    if np.isnan(recorded).all():
-        text.fail("every message is lost; a trace needs at least one delay")
+    chosen = format_called(format, f"trace {name}") if format else format_of(text)
+    samples = chosen.read(text, ReadOptions(unit, column, period, kind))
+    recorded = _checked(samples, text)
     times = None
     if samples.times is not None:
         recorded, times = _without_gaps(samples, recorded, gap, text)
     elif gap == "delay" and samples.period is None and np.isnan(recorded).any():
         text.fail("holding lost messages (gap=delay) needs the times or the period of the samples")
     return Trace(recorded, times, samples.period, samples.kind, samples.provenance, gap, at_end, uplink_share)
+
+
+def _checked(samples: Samples, text: TraceText) -> NDArray[np.float64]:
+    """The delays that a format gave, as an array; raises TraceError where they are no trace."""
+    count = len(samples.delays)
+    if not count:
+        text.fail("no samples")
+    if count > MAX_SAMPLES:
+        text.fail(f"{count} samples; at most {MAX_SAMPLES} can be read")
+    recorded = np.array(samples.delays, dtype=np.float64)
+    if np.isnan(recorded).all():
+        text.fail("every message is lost; a trace needs at least one delay")
+    if np.isinf(recorded).any() or np.nanmin(recorded) < 0:
+        text.fail("its format gave a delay that is negative or infinite")
+    if samples.times is not None and len(samples.times) != count:
+        text.fail(f"its format gave {len(samples.times)} times for {count} delays")
+    return recorded
 
 
 def read_text(path: str | Path) -> TraceText:
@@ -199,15 +209,6 @@ def read_text(path: str | Path) -> TraceText:
     if not decoded.strip():
         text.fail("the file is empty")
     return text
-
-
-def detect_format(text: TraceText) -> str:
-    """Name of the first format that the text looks like; raises TraceError if there is none."""
-    for name, (matches, _) in READERS.items():
-        if matches(text):
-            return name
-    line = next(index for index, content in enumerate(text.lines, start=1) if content.strip())
-    text.fail(f"unknown format, {text.excerpt(line)}; one of {', '.join(READERS)}", line)
 
 
 def _without_gaps(

@@ -5,6 +5,7 @@ import importlib.metadata
 import pytest
 
 from farhand.netem.impairments.registry import IMPAIRMENTS
+from farhand.netem.recordings.formats.registry import FORMATS
 
 
 class _Distribution:
@@ -27,7 +28,7 @@ def brought(monkeypatch):
         return [p for p in points if p.group == wanted.get("group")] or installed(**wanted)
 
     monkeypatch.setattr("importlib.metadata.entry_points", entry_points)
-    for registry in (IMPAIRMENTS,):
+    for registry in (IMPAIRMENTS, FORMATS):
         monkeypatch.setattr(registry, "_outside", None)
         monkeypatch.setattr(registry, "_loaded", {})
     return bring

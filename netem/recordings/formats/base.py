@@ -1,8 +1,13 @@
-"""What every trace format shares: the samples it yields, how a bad line is reported, units and numbers."""
+"""What every trace format shares: its interface, the samples it yields, how a bad line is reported, units.
+
+To add a format: one file with a `TraceFormat` (name, matches, read), and one line in registry.py; or, from a
+package of your own, an entry point of the group `farhand.trace_formats`.
+"""
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Literal, NoReturn
+from typing import ClassVar, Literal, NoReturn
 
 from farhand.common.errors import TraceError
 
@@ -75,6 +80,26 @@ class TraceText:
         return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
+class TraceFormat(ABC):
+    """A format of recorded delays.
+
+    Class attributes:
+        name: in `--format` and in a SPEC's `format=`.
+        general: many files look like it, so it is asked after those that look for something particular.
+    """
+
+    name: ClassVar[str]
+    general: ClassVar[bool] = False
+
+    @abstractmethod
+    def matches(self, text: TraceText) -> bool:
+        """Whether a text, which is not empty, looks like it."""
+
+    @abstractmethod
+    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+        """Its samples; raises TraceError (`text.fail`) with the line and what is wrong with it."""
+
+
 def factor_of(unit: str, text: TraceText) -> float:
     """One `unit` in s; raises TraceError for one that is unknown."""
     if unit not in UNITS:
@@ -117,8 +142,10 @@ def comments(text: TraceText) -> dict[str, str]:
     return found
 
 
-def kind_in(header: dict[str, str], text: TraceText) -> Kind | None:
-    """The kind that a file's header states; None without one."""
+def kind_in(header: dict[str, str], options: ReadOptions, text: TraceText) -> Kind | None:
+    """The kind that the caller says, or the file's header; None without one."""
+    if options.kind is not None:
+        return options.kind
     stated = header.get("kind")
     if stated is None:
         return None
@@ -127,6 +154,13 @@ def kind_in(header: dict[str, str], text: TraceText) -> Kind | None:
     if stated == "round-trip":
         return "round-trip"
     text.fail(f"kind {stated!r} in the header; one-way or round-trip")
+
+
+def period_in(header: dict[str, str], options: ReadOptions, text: TraceText) -> float | None:
+    """The spacing of the samples (s) that the caller says, or the file's header; None without one."""
+    if options.period is not None or "period" not in header:
+        return options.period
+    return duration_in(header["period"], text, "period")
 
 
 def duration_in(word: str, text: TraceText, what: str) -> float:
