@@ -1,4 +1,4 @@
-"""`farhand netem`: the emulator as a program, and its check. Live control: netem_live_commands.py."""
+"""`farhand netem`: the emulator as a program, and its check. Live control: netem_live.py."""
 
 import json
 from typing import Annotated

@@ -45,7 +45,7 @@ class DelayByTrace(DelayWord, frozen=True):
     def sampler(self, context: Context) -> DelaySampler:
         """The replay; all flows of a direction are at the same place of a timed trace."""
         trace = open_trace(self.path, self.options)
-        sampler = trace.sampler(context.direction, context.rng("delay"))
+        sampler = trace.sampler(context.direction)
         if trace.duration is not None:
             sampler.draw(context.origin_ns)
         return sampler

@@ -177,7 +177,7 @@ class LossTrace(LossWord, frozen=True):
     def build(self, context: Context) -> Impairment:
         """The losses of the trace."""
         trace = open_trace(self.path, self.options)
-        sampler = trace.sampler(context.direction, context.rng("loss"))
+        sampler = trace.sampler(context.direction)
         if trace.duration is not None:
             sampler.draw(context.origin_ns)
         return _TraceLoss(sampler)

@@ -1,4 +1,4 @@
-"""Fit of the delay model (trace_model.py) to a recording.
+"""Fit of the delay model (model.py) to a recording.
 
 1. Samples above a threshold beyond the reach of the usual jitter form episodes; so do runs of lost messages.
 2. Where most episodes' delays fall as fast as time passes they held their messages, which then arrived

@@ -1,7 +1,7 @@
 """Named networks: seeded models, each of which says what it was fitted to.
 
 "Round trip" models describe the sum of both directions, of which each carries half; how, and what that
-holds, is said in trace_model.py. Only three quantiles are known of some recordings (median, 99 %, maximum);
+holds, is said in model.py. Only three quantiles are known of some recordings (median, 99 %, maximum);
 there the jitter has the form measured on 5g-urban, scaled with the median, and the interval between
 stalls is the one that puts the 99 % quantile where it was measured. Where the maximum is far beyond that
 quantile (oran, wifi-moving), short stalls are taken to make up three quarters of the slowest hundredth,

@@ -25,10 +25,6 @@ class RateTrace:
 
     times_ns: tuple[int, ...]
 
-    def mean_rate(self) -> float:
-        """Mean rate over the whole trace (bit/s)."""
-        return len(self.times_ns) * OPPORTUNITY * 8 * 1e9 / self.times_ns[-1]
-
     def schedule(self) -> "DeliverySchedule":
         """A fresh queue over these opportunities."""
         return DeliverySchedule(self)

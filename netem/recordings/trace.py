@@ -78,11 +78,8 @@ class Trace:
             return self.period or 1.0
         return max(float(np.median(np.diff(self.times))), 1e-6)
 
-    def sampler(self, direction: str, rng: np.random.Generator | None = None) -> DelaySampler:
-        """A replay for one direction ("uplink" or "downlink").
-
-        `rng` is taken as all samplers take one; a replay draws nothing from it.
-        """
+    def sampler(self, direction: str) -> DelaySampler:
+        """A replay for one direction ("uplink" or "downlink"); nothing is drawn."""
         delays = self.delays_of(direction).tolist()
         if self.duration is None:
             return UntimedReplay(delays, self.at_end)
