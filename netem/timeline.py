@@ -14,13 +14,12 @@ length = 2.0           # s
 """
 
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import to_ns
-from farhand.common.toml import parse_toml, read_toml
+from farhand.common.toml import read_toml
 from farhand.netem.action import Action
 from farhand.netem.netem_node import NetemNode
 
@@ -84,33 +83,22 @@ class Timeline:
 
 def load_timeline(path: str | Path) -> Timeline:
     """The timeline in a TOML file; raises InputError with the step and what is wrong with it."""
-    return _timeline(read_toml(path, "timeline"), str(path))
-
-
-def parse_timeline(text: str, where: str) -> Timeline:
-    """The timeline in a TOML text; `where` names the source in errors."""
-    return _timeline(parse_toml(text, f"timeline {where}"), where)
-
-
-def _timeline(table: dict[str, Any], where: str) -> Timeline:
+    where = f"timeline {path}"
     try:
-        file = msgspec.convert(table, _File)
+        file = msgspec.convert(read_toml(path, "timeline"), _File)
     except msgspec.ValidationError as error:
-        raise InputError(f"timeline {where}: {error}") from None
+        raise InputError(f"{where}: {error}") from None
     last = 0.0
     for number, step in enumerate(file.at, start=1):
         if not 0 <= step.time <= MAX_TIME:
-            raise InputError(
-                f"timeline {where}: step {number}: time {step.time} s lies outside 0 to {MAX_TIME:g}"
-            )
+            raise InputError(f"{where}: step {number}: time {step.time} s lies outside 0 to {MAX_TIME:g}")
         if step.time < last:
             raise InputError(
-                f"timeline {where}: step {number}: time {step.time} s comes before that of the step "
-                f"above it, {last} s"
+                f"{where}: step {number}: time {step.time} s comes before that of the step above it, {last} s"
             )
         last = step.time
         try:
             step.check()
         except InputError as error:
-            raise InputError(f"timeline {where}: step {number}: {error}") from None
+            raise InputError(f"{where}: step {number}: {error}") from None
     return Timeline(file.at)

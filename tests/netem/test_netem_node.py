@@ -12,10 +12,11 @@ from farhand.common.messages.codec import encode
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.action import Action
 from farhand.netem.control import handle
+from farhand.netem.emulation import Emulation
 from farhand.netem.netem_node import ConservationError, NetemNode
 from farhand.netem.release_queue import Limits
 from farhand.netem.spec import parse_spec
-from farhand.netem.timeline import load_timeline, parse_timeline
+from farhand.netem.timeline import load_timeline
 from farhand.testing import command, state
 
 MS = 1_000_000
@@ -25,12 +26,12 @@ SECOND = 1_000_000_000
 class Rig:
     """An emulator between two ends, in virtual time."""
 
-    def __init__(self, uplink, downlink=None, **kwargs):
+    def __init__(self, uplink, downlink=None, limits=Limits(), **kwargs):  # noqa: B008
         self.executor = VirtualExecutor(1000)
         self.operator, near = self.executor.wire()
         far, self.robot = self.executor.wire()
         specs = parse_spec(uplink), parse_spec(downlink or uplink)
-        self.node = NetemNode(near, far, *specs, seed=1, **kwargs)
+        self.node = NetemNode(near, far, Emulation(*specs, 1, limits=limits), **kwargs)
         self.executor.add(self.node, Priority.NETEM)
         self.executor.wake_on_message(self.node, near)
         self.executor.wake_on_message(self.node, far)
@@ -204,9 +205,11 @@ def test_timeline_runs_in_virtual_time(tmp_path):
         ("at = 3", "array"),
     ],
 )
-def test_a_bad_timeline_is_one_line(text, words):
+def test_a_bad_timeline_is_one_line(tmp_path, text, words):
+    path = tmp_path / "x.toml"
+    path.write_text(text)
     with pytest.raises(InputError) as found:
-        parse_timeline(text, "x.toml")
+        load_timeline(path)
     assert words in str(found.value)
     assert "\n" not in str(found.value)
 

@@ -26,7 +26,7 @@ FORMATS: Kinds[type[TraceFormat]] = Kinds(
 def format_called(name: str, where: str) -> TraceFormat:
     """The format of a name; raises TraceError, which begins with `where`."""
     try:
-        return FORMATS.get(name)()
+        return FORMATS.get(name, "format")()
     except InputError as error:
         raise TraceError(f"{where}: {error}") from None
 

@@ -10,18 +10,19 @@ from typer.testing import CliRunner
 from farhand.cli import app
 from farhand.common.errors import InputError, SpecError
 from farhand.common.link.link import Packet
-from farhand.common.scenario import load_scenario
 from farhand.laboratory.simulation import simulate
 from farhand.laboratory.virtual_executor import VirtualExecutor
 from farhand.netem.action import Action
 from farhand.netem.chain import Chain
 from farhand.netem.control import handle
+from farhand.netem.emulation import Emulation
 from farhand.netem.impairments.base import Impairment, LossModel, Scope, Stage, Transit, Word
 from farhand.netem.impairments.registry import BUILT_IN, described, kinds, word_called
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.words import kernel_network
 from farhand.netem.words.reader import Reader
+from farhand.runs.scenario import load_scenario
 
 GROUP = "farhand.impairments"
 MS = 1_000_000
@@ -209,7 +210,7 @@ def test_on_the_command_line(late):
 def test_live_while_it_runs(late):
     executor = VirtualExecutor(0)
     ends = [executor.wire()[0] for _ in range(2)]
-    node = NetemNode(*ends, parse_spec("constant:5"), parse_spec("constant:5"), 1)
+    node = NetemNode(*ends, Emulation(parse_spec("constant:5"), parse_spec("constant:5"), 1))
     asked = {"do": "add", "direction": "uplink", "spec": "late:3"}
     assert json.loads(handle(node, json.dumps(asked).encode(), 10))["specs"] == {
         "uplink": "constant:5 late:3,20",

@@ -95,7 +95,7 @@ def test_errors_are_one_line_with_the_file(brought, file):
     with pytest.raises(TraceError, match=r"theirs.txt, line 2: expected a delay, got '1;twenty'"):
         load_trace(file)
     with pytest.raises(
-        TraceError, match=r"theirs.txt: no trace format is called 'semicolon'; is 'semicolons' me"
+        TraceError, match=r"theirs.txt: format 'semicolon': no such trace format; is 'semicolons' me"
     ):
         load_trace(file, format="semicolon")
 

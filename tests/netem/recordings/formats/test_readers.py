@@ -176,7 +176,7 @@ def test_slots_take_their_length_from_name_header_or_caller(tmp_path):
         (CICV5G + "1 2 -3 4\n", {}, "line 2: the delay is negative"),
         ('{"round_trips": [{"delay": {"rtt": "x"}}]}', {}, "round_trips[0].delay.rtt"),
         ('{"round_trips": 3}', {}, "not the JSON of irtt"),
-        ("1\n", {"format": "pcap"}, "no trace format is called 'pcap'"),
+        ("1\n", {"format": "pcap"}, "format 'pcap': no such trace format; there are cicv5g"),
         ("1\n", {"period": -1}, "the period is -1"),
         ("1\n", {"uplink_share": 2}, "uplink's share"),
         ("1\n", {"gap": "maybe"}, "gap 'maybe'"),
