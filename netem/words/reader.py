@@ -4,6 +4,7 @@ import re
 from typing import NoReturn
 
 from farhand.common.errors import SpecError
+from farhand.common.timing.clock import to_seconds
 
 MAX_DELAY_NS = 3_600_000_000_000
 MAX_DURATION_NS = 1000 * 3_600_000_000_000
@@ -199,7 +200,7 @@ def seconds_text(duration_ns: int) -> str:
     """A duration in s with its unit, or in ms where that is shorter."""
     if duration_ns % 1_000_000_000 and duration_ns < 1_000_000_000:
         return milliseconds_text(duration_ns) + "ms"
-    return number_text(round(duration_ns / 1e9, 9)) + "s"
+    return number_text(round(to_seconds(duration_ns), 9)) + "s"
 
 
 def percent_text(probability: float) -> str:

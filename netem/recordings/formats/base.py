@@ -14,7 +14,11 @@ from farhand.common.errors import TraceError
 Kind = Literal["one-way", "round-trip"]
 
 UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
-"""Units of time that a trace may use, in s."""
+"""Units of time that a trace may use, in s.
+
+Delays are multiplied by them and not divided by 1e9, as `to_seconds` does: that differs in the last bit, and so might
+a nanosecond of a replay.
+"""
 
 MAX_SAMPLES = 2_000_000
 LONGEST_DELAY = 3600.0
