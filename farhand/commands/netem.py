@@ -146,7 +146,7 @@ def check(
     from rich.console import Console
 
     from farhand.netem.check.check import CheckSettings, run_check
-    from farhand.netem.check.report import check_table
+    from farhand.netem.check.check_table import check_table
 
     found = run_check(
         CheckSettings(

@@ -11,7 +11,8 @@ from farhand.common.errors import InputError
 if TYPE_CHECKING:
     from farhand.netem.models.model import DelayModel
     from farhand.netem.recordings.formats.base import Kind
-    from farhand.netem.recordings.trace import Gap, Trace
+    from farhand.netem.recordings.gaps import Gap
+    from farhand.netem.recordings.trace import Trace
 
 trace_app = typer.Typer(
     help="Recorded network delays: show, record, fit a model, convert.", no_args_is_help=True

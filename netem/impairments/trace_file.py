@@ -1,16 +1,20 @@
 """A recording that a word names: its file and options, `FILE[,OPTION=VALUE...]`, and the open trace.
 
-The options are those of `load_trace`: unit, column, period (ms), kind, format, gap, at_end, share.
+The options are those of `load_trace` and `Trace.replayed`: unit, column, period (ms), kind, format, gap, at_end, share.
 """
 
 import os
 from functools import lru_cache
 from typing import Any
 
+from farhand.netem.recordings.formats.base import KINDS, UNITS
+from farhand.netem.recordings.gaps import GAPS
+from farhand.netem.recordings.playback import AT_ENDS
 from farhand.netem.recordings.trace import Trace, load_trace
 from farhand.netem.words.reader import Reader, path_text
 
 OPTIONS = ("unit", "column", "period", "kind", "format", "gap", "at_end", "share")
+_CHOICES = {"unit": tuple(UNITS), "kind": KINDS, "gap": GAPS, "at_end": AT_ENDS}
 Options = tuple[tuple[str, str], ...]
 
 
@@ -33,6 +37,8 @@ def parse_options(reader: Reader) -> Options:
             found[name] = repr(reader.probability("the uplink's share of a round trip"))
         else:
             found[name] = reader.path(f"the value of {name}")
+            if name in _CHOICES and found[name] not in _CHOICES[name]:
+                reader.fail(f"{name} is one of {', '.join(_CHOICES[name])}", start)
     return tuple(sorted(found.items()))
 
 
@@ -53,9 +59,12 @@ def open_trace(path: str, options: Options) -> Trace:
 
 @lru_cache(maxsize=8)
 def _open_trace(path: str, options: Options, stamp: tuple[int, int]) -> Trace:
-    values: dict[str, Any] = dict(options)
-    if "period" in values:
-        values["period"] = float(values["period"]) / 1000
-    if "share" in values:
-        values["uplink_share"] = float(values.pop("share"))
-    return load_trace(path, **values)
+    read: dict[str, Any] = dict(options)
+    replay: dict[str, Any] = {}
+    if "period" in read:
+        read["period"] = float(read["period"]) / 1000
+    if "share" in read:
+        replay["uplink_share"] = float(read.pop("share"))
+    if "at_end" in read:
+        replay["at_end"] = read.pop("at_end")
+    return load_trace(path, **read).replayed(**replay)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from farhand.netem.recordings.formats.base import MAX_SAMPLES
-from farhand.netem.recordings.trace import read_text
+from farhand.netem.recordings.text_file import read_text
 
 OPPORTUNITY = 1500
 _NANOSECONDS_PER_MS = 1_000_000

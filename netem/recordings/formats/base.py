@@ -7,11 +7,12 @@ package of your own, an entry point of the group `farhand.trace_formats`.
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal, NoReturn
+from typing import ClassVar, Literal, NoReturn, get_args
 
 from farhand.common.errors import TraceError
 
 Kind = Literal["one-way", "round-trip"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 """Units of time that a trace may use, in s.

@@ -178,7 +178,6 @@ def test_slots_take_their_length_from_name_header_or_caller(tmp_path):
         ('{"round_trips": 3}', {}, "not the JSON of irtt"),
         ("1\n", {"format": "pcap"}, "format 'pcap': no such trace format; there are cicv5g"),
         ("1\n", {"period": -1}, "the period is -1"),
-        ("1\n", {"uplink_share": 2}, "uplink's share"),
         ("1\n", {"gap": "maybe"}, "gap 'maybe'"),
         ("delay\n1\nlost\n", {"unit": "ms", "gap": "delay"}, "needs the times"),
     ],
