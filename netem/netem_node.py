@@ -13,6 +13,7 @@ from farhand.common.link.link import Link, Packet
 from farhand.common.messages.keys import kind_of
 from farhand.netem.direction import Direction
 from farhand.netem.emulation import Emulation
+from farhand.netem.envelope import MustArrive
 from farhand.netem.impairments.base import Transit
 from farhand.netem.measure.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
 from farhand.netem.measure.statistics import FlowStatistics, Histogram
@@ -158,7 +159,7 @@ class NetemNode:
     def _queue(self, direction: Direction, transit: Transit, statistics: FlowStatistics) -> None:
         statistics.retransmitted += transit.retransmissions
         if transit.cause:
-            if not getattr(transit.packet.envelope, "reliable", False):
+            if not isinstance(transit.packet.envelope, MustArrive):
                 self._drop(direction, transit, statistics)
                 return
             transit.offer_again = True

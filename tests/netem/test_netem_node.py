@@ -2,7 +2,6 @@
 
 import json
 
-import msgspec
 import pytest
 
 from farhand.common.errors import InputError
@@ -13,6 +12,7 @@ from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.action import Action
 from farhand.netem.control import handle
 from farhand.netem.emulation import Emulation
+from farhand.netem.envelope import MustArrive
 from farhand.netem.netem_node import ConservationError, NetemNode
 from farhand.netem.release_queue import Limits
 from farhand.netem.spec import parse_spec
@@ -130,13 +130,9 @@ def test_an_echo_of_what_was_not_let_through_is_a_bypass():
     assert rig.run(100)["bypassed"] == 2
 
 
-class Reliable(msgspec.Struct):
-    reliable: bool = True
-
-
 def test_what_must_arrive_is_sent_again():
     rig = Rig("outage:at(0s,1s)")
-    rig.send(0, "operator", "token", b"", Reliable())
+    rig.send(0, "operator", "token", b"", MustArrive())
     found = rig.run(5000)
     assert received(rig.robot) == [(1000, b"")]
     assert found["uplink"]["retransmitted"] == 5
