@@ -2,6 +2,7 @@
 
 import json
 
+import msgspec
 import pytest
 
 from farhand.common.errors import InputError

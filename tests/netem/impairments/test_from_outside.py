@@ -190,11 +190,11 @@ def test_in_a_run_of_the_laboratory_and_its_timeline(late, tmp_path):
     changed = simulate(
         scenario, uplink="constant:20", downlink="none", time_limit=2.0, timeline=str(timeline)
     )
-    achieved = [run.network["uplink"]["achieved"]["mean"] for run in (plain, changed, mine)]
+    achieved = [run.network.uplink.achieved.mean for run in (plain, changed, mine)]
     assert achieved[0] == pytest.approx(0.02)
     assert achieved[2] == pytest.approx(0.045, abs=0.003)
     assert achieved[0] < achieved[1] < achieved[2]
-    assert mine.network["uplink"]["spec"] == "constant:20 late:2,50"
+    assert mine.network.uplink.spec == "constant:20 late:2,50"
 
 
 def test_on_the_command_line(late):
