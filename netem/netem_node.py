@@ -15,8 +15,9 @@ from farhand.netem.direction import Direction
 from farhand.netem.emulation import Emulation
 from farhand.netem.envelope import MustArrive
 from farhand.netem.impairments.base import Transit
+from farhand.netem.measure.flow_statistics import FlowStatistics
+from farhand.netem.measure.histogram import Histogram
 from farhand.netem.measure.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
-from farhand.netem.measure.statistics import FlowStatistics, Histogram
 from farhand.netem.result import NetemResult
 
 DIRECTIONS = ("uplink", "downlink")
