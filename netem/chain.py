@@ -10,9 +10,9 @@ from farhand.common.link.link import Packet
 from farhand.common.messages.keys import kind_of, robot_of
 from farhand.netem.impairments.base import (
     Connection,
-    Context,
     Flow,
     Impairment,
+    ImpairmentContext,
     LossModel,
     Scope,
     Stage,
@@ -166,9 +166,11 @@ class Chain:
             head = _repaired(head, word, connection)
         return [impairment for _, impairment in head], tail, copy_tail
 
-    def _context(self, owner: str, message_class: str, kind: str) -> Context:
+    def _context(self, owner: str, message_class: str, kind: str) -> ImpairmentContext:
         generation = self._generations.get((message_class, kind), self._first)
-        return Context(self._seed, self.direction, owner, self._origin_ns or 0, generation, self._robot)
+        return ImpairmentContext(
+            self._seed, self.direction, owner, self._origin_ns or 0, generation, self._robot
+        )
 
 
 def _words(spec: Spec, name: str) -> tuple[Word, ...]:
@@ -177,7 +179,9 @@ def _words(spec: Spec, name: str) -> tuple[Word, ...]:
     return next((words or () for known, words in spec.classes if known == name), ())
 
 
-def _found_or_built(before: _Built, now: _Built, place: Hashable, word: Word, context: Context) -> Impairment:
+def _found_or_built(
+    before: _Built, now: _Built, place: Hashable, word: Word, context: ImpairmentContext
+) -> Impairment:
     """The impairment that is there already, with its state, or a new one."""
     found = now[place] = before.get(place) or word.build(context)
     return found

@@ -18,7 +18,7 @@ import msgspec
 from farhand.common.errors import InputError
 from farhand.netem.impairments.base import Word
 from farhand.netem.impairments.registry import IMPAIRMENTS, word_called
-from farhand.netem.words.reader import MAX_TEXT, Reader
+from farhand.netem.words.reader import MAX_TEXT, SpecReader
 
 CLASSES = ("command", "state", "scene", "description", "camera", "other")
 
@@ -86,7 +86,7 @@ NONE = Spec()
 
 def parse_spec(text: str) -> Spec:
     """The Spec that a text says; raises SpecError with one line that points at the character."""
-    reader = Reader(text)
+    reader = SpecReader(text)
     if len(text) > MAX_TEXT:
         reader.fail(f"longer than {MAX_TEXT} characters", MAX_TEXT)
     reader.skip_space()
@@ -113,7 +113,7 @@ def parse_spec(text: str) -> Spec:
     return _spec(words, classes)
 
 
-def _class_words(reader: Reader) -> tuple[Word, ...] | None:
+def _class_words(reader: SpecReader) -> tuple[Word, ...] | None:
     words: list[Word] = []
     is_none = False
     reader.skip_space()
@@ -135,7 +135,7 @@ def _class_words(reader: Reader) -> tuple[Word, ...] | None:
     return None if is_none else _in_order(words)
 
 
-def _word(name: str, reader: Reader, start: int) -> Word:
+def _word(name: str, reader: SpecReader, start: int) -> Word:
     if name in IMPAIRMENTS:
         try:
             word = word_called(name)
@@ -152,21 +152,21 @@ def _word(name: str, reader: Reader, start: int) -> Word:
     )
 
 
-def _append(word: Word, words: list[Word], reader: Reader, start: int) -> None:
+def _append(word: Word, words: list[Word], reader: SpecReader, start: int) -> None:
     if any(other.kind == word.kind for other in words):
         reader.example = ""
         reader.fail(f"a second {word.kind}; one is possible", start)
     words.append(word)
 
 
-def _check_class(name: str, seen: list[str], reader: Reader, start: int) -> None:
+def _check_class(name: str, seen: list[str], reader: SpecReader, start: int) -> None:
     if name not in CLASSES:
         reader.fail(f"no class of messages is called {name!r}; there are {', '.join(CLASSES)}", start)
     if name in seen:
         reader.fail(f"the class {name!r} is there twice", start)
 
 
-def _check_separated(reader: Reader, closing: str) -> None:
+def _check_separated(reader: SpecReader, closing: str) -> None:
     """After an item comes white space, the closing bracket or the end."""
     position = reader.position
     reader.skip_space()

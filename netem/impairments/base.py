@@ -23,7 +23,7 @@ from farhand.common.link.link import Packet
 from farhand.common.seeds import stream
 
 if TYPE_CHECKING:
-    from farhand.netem.words.reader import Reader
+    from farhand.netem.words.reader import SpecReader
 
 
 class Stage(IntEnum):
@@ -167,7 +167,7 @@ class Connection:
 
 
 @dataclass(frozen=True, slots=True)
-class Context:
+class ImpairmentContext:
     """What an impairment is built with.
 
     Attributes:
@@ -221,7 +221,7 @@ class Word(msgspec.Struct, frozen=True):
     repairs: ClassVar[bool] = False
 
     @classmethod
-    def parse(cls, reader: "Reader") -> "Word":
+    def parse(cls, reader: "SpecReader") -> "Word":
         """Read the parameters that follow the word's name, which is `reader.word`; raises SpecError."""
         raise NotImplementedError
 
@@ -237,7 +237,7 @@ class Word(msgspec.Struct, frozen=True):
     def prepare(self) -> None:
         """Open what the word names, so that errors come before the start; raises InputError."""
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The impairment itself; raises InputError, e.g. for a file that cannot be read."""
         raise NotImplementedError
 

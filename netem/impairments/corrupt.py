@@ -5,9 +5,9 @@ from typing import ClassVar
 import numpy as np
 
 from farhand.common.link.link import Packet
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word
 from farhand.netem.impairments.loss_random import RandomEvents
-from farhand.netem.words.reader import Reader, percent_text
+from farhand.netem.words.reader import SpecReader, percent_text
 
 
 class Corrupt(Word, frozen=True):
@@ -27,7 +27,7 @@ class Corrupt(Word, frozen=True):
     stage: ClassVar[Stage] = Stage.CORRUPT
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Corrupt":
+    def parse(cls, reader: SpecReader) -> "Corrupt":
         """`:P[,CORRELATION%]`."""
         reader.expect(":", "the probability of a flipped bit")
         return cls(reader.probability("the probability of a flipped bit"), reader.optional_correlation())
@@ -37,7 +37,7 @@ class Corrupt(Word, frozen=True):
         tail = f",{percent_text(self.correlation)}" if self.correlation else ""
         return f"corrupt:{percent_text(self.probability)}{tail}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The bit flipper."""
         events = RandomEvents(context, "corrupt", self.probability, self.correlation)
         return _Corrupt(events, context.rng("corrupt-bit"))

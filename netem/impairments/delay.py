@@ -11,9 +11,9 @@ from typing import ClassVar
 import numpy as np
 
 from farhand.common.timing.clock import to_ns
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word
 from farhand.netem.recordings.playback import DelaySampler
-from farhand.netem.words.reader import Reader, milliseconds_text, percent_text
+from farhand.netem.words.reader import SpecReader, milliseconds_text, percent_text
 
 _SQRT_HALF = math.sqrt(0.5)
 
@@ -24,11 +24,11 @@ class DelayWord(Word, frozen=True):
     kind: ClassVar[str] = "delay"
     stage: ClassVar[Stage] = Stage.DELAY
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The source of delays."""
         raise NotImplementedError
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The impairment that delays each message by a draw of `sampler`."""
         return Delay(self.sampler(context))
 
@@ -99,7 +99,7 @@ class MeanSdWord(DelayWord, frozen=True):
     correlation: float = 0.0
 
     @classmethod
-    def parse(cls, reader: Reader) -> "MeanSdWord":
+    def parse(cls, reader: SpecReader) -> "MeanSdWord":
         """`:MEAN,SD[,CORRELATION%]`, ms."""
         reader.expect(":", "the mean and the standard deviation in ms")
         mean_ns = reader.duration_ns("the mean delay in ms")

@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.base import ImpairmentContext
 from farhand.netem.impairments.delay import DelayWord
 from farhand.netem.impairments.trace_file import Options, open_trace, options_text, parse_options
 from farhand.netem.recordings.playback import DelaySampler
-from farhand.netem.words.reader import Reader, path_text
+from farhand.netem.words.reader import SpecReader, path_text
 
 
 class DelayByTrace(DelayWord, frozen=True):
@@ -29,7 +29,7 @@ class DelayByTrace(DelayWord, frozen=True):
     description: ClassVar[str] = "replays a recorded delay trace"
 
     @classmethod
-    def parse(cls, reader: Reader) -> "DelayByTrace":
+    def parse(cls, reader: SpecReader) -> "DelayByTrace":
         """`:FILE[,OPTION=VALUE...]`."""
         reader.expect(":", "the file")
         return cls(reader.path("the trace's file"), parse_options(reader))
@@ -42,7 +42,7 @@ class DelayByTrace(DelayWord, frozen=True):
         """Read the file; raises TraceError."""
         open_trace(self.path, self.options)
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The replay; all flows of a direction are at the same place of a timed trace."""
         trace = open_trace(self.path, self.options)
         sampler = trace.sampler(context.direction)
@@ -58,7 +58,7 @@ class Empirical(DelayByTrace, frozen=True):
     example: ClassVar[str] = "empirical:delays.csv"
     description: ClassVar[str] = "draws from a recorded delay trace at random"
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Independent draws."""
         delays = open_trace(self.path, self.options).delays_of(context.direction)
         return _EmpiricalSampler(delays[~np.isnan(delays)].tolist(), context.rng("delay"))

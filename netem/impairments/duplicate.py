@@ -5,9 +5,9 @@ The copy takes the rest of the chain by itself, with a delay of its own.
 
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word
 from farhand.netem.impairments.loss_random import RandomEvents
-from farhand.netem.words.reader import Reader, percent_text
+from farhand.netem.words.reader import SpecReader, percent_text
 
 
 class Duplicate(Word, frozen=True):
@@ -27,7 +27,7 @@ class Duplicate(Word, frozen=True):
     stage: ClassVar[Stage] = Stage.DUPLICATE
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Duplicate":
+    def parse(cls, reader: SpecReader) -> "Duplicate":
         """`:P[,CORRELATION%]`."""
         reader.expect(":", "the probability of a copy")
         return cls(reader.probability("the probability of a copy"), reader.optional_correlation())
@@ -37,7 +37,7 @@ class Duplicate(Word, frozen=True):
         tail = f",{percent_text(self.correlation)}" if self.correlation else ""
         return f"duplicate:{percent_text(self.probability)}{tail}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The copier."""
         return _Duplicate(RandomEvents(context, "duplicate", self.probability, self.correlation))
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.netem.impairments.base import Context, LossModel, Transit
+from farhand.netem.impairments.base import ImpairmentContext, LossModel, Transit
 
 
 class MarkovLoss(LossModel):
@@ -22,7 +22,7 @@ class MarkovLoss(LossModel):
     """
 
     def __init__(
-        self, context: Context, transitions: Sequence[Sequence[float]], losses: Sequence[float]
+        self, context: ImpairmentContext, transitions: Sequence[Sequence[float]], losses: Sequence[float]
     ) -> None:
         self._random = context.rng("loss").random
         self._cumulative = [np.cumsum(row).tolist() for row in transitions]

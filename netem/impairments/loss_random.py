@@ -4,7 +4,7 @@ A message is lost when a (correlated) standard normal number exceeds the P quant
 exactly P whatever the correlation; tc-netem's blending changes the rate.
 """
 
-from farhand.netem.impairments.base import Context, LossModel, Transit
+from farhand.netem.impairments.base import ImpairmentContext, LossModel, Transit
 from farhand.netem.impairments.delay import CorrelatedNormal, upper_tail
 
 
@@ -18,7 +18,7 @@ class RandomEvents:
         correlation: of the underlying normal numbers of neighbouring messages.
     """
 
-    def __init__(self, context: Context, name: str, probability: float, correlation: float) -> None:
+    def __init__(self, context: ImpairmentContext, name: str, probability: float, correlation: float) -> None:
         self._rng = context.rng(name)
         self._probability = probability
         self._normal = CorrelatedNormal(self._rng, correlation) if correlation else None

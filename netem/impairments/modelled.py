@@ -3,11 +3,11 @@
 from functools import lru_cache
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.base import ImpairmentContext
 from farhand.netem.impairments.delay import DelayWord
 from farhand.netem.models.profiles import PROFILES, Profile, load_model
 from farhand.netem.recordings.playback import DelaySampler
-from farhand.netem.words.reader import Reader, path_text
+from farhand.netem.words.reader import SpecReader, path_text
 
 
 class ProfileWord(DelayWord, frozen=True):
@@ -20,7 +20,7 @@ class ProfileWord(DelayWord, frozen=True):
     profile: str
 
     @classmethod
-    def parse(cls, reader: Reader) -> "ProfileWord":
+    def parse(cls, reader: SpecReader) -> "ProfileWord":
         """Nothing: the name says all."""
         return cls(reader.word)
 
@@ -33,7 +33,7 @@ class ProfileWord(DelayWord, frozen=True):
         """Canonical word."""
         return self.profile
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The profile's model."""
         return _sampler(PROFILES[self.profile], context)
 
@@ -51,7 +51,7 @@ class ModelWord(DelayWord, frozen=True):
     description: ClassVar[str] = "a model that `farhand trace fit` wrote"
 
     @classmethod
-    def parse(cls, reader: Reader) -> "ModelWord":
+    def parse(cls, reader: SpecReader) -> "ModelWord":
         """`:FILE`."""
         reader.expect(":", "the file of a fitted model")
         return cls(reader.path("the file of a fitted model"))
@@ -64,7 +64,7 @@ class ModelWord(DelayWord, frozen=True):
         """Read the file; raises InputError."""
         _load(self.path)
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The fitted model."""
         return _sampler(_load(self.path), context)
 
@@ -74,7 +74,7 @@ def _load(path: str) -> Profile:
     return load_model(path)
 
 
-def _sampler(profile: Profile, context: Context) -> DelaySampler:
+def _sampler(profile: Profile, context: ImpairmentContext) -> DelaySampler:
     """Jitter and losses of its own for each key; stalls and outages come to all keys at once."""
     return profile.sampler(
         context.rng("delay"),

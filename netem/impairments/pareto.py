@@ -9,7 +9,7 @@ import math
 from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.base import ImpairmentContext
 from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, upper_tail
 from farhand.netem.recordings.playback import DelaySampler
 
@@ -30,7 +30,7 @@ class Pareto(MeanSdWord, frozen=True):
     example: ClassVar[str] = "pareto:50,20"
     description: ClassVar[str] = "heavy-tailed delays: mean 50 ms, standard deviation 20 ms"
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Pareto delays."""
         return _ParetoSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
 

@@ -8,7 +8,7 @@ import math
 from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.base import ImpairmentContext
 from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, upper_tail
 from farhand.netem.impairments.pareto import standard_pareto
 from farhand.netem.recordings.playback import DelaySampler
@@ -26,7 +26,7 @@ class ParetoNormal(MeanSdWord, frozen=True):
         "a quarter normal, three quarters Pareto: mean 50 ms, standard deviation 20 ms"
     )
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Delays of the sum."""
         rng = context.rng("delay")
         return _ParetoNormalSampler(

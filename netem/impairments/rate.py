@@ -7,9 +7,9 @@ All messages of a direction share one queue, first in, first out: a camera can s
 
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Scope, Stage, Transit, Word
 from farhand.netem.impairments.rate_by_trace import RateByTrace
-from farhand.netem.words.reader import DEFAULT_QUEUE, Reader, number_text
+from farhand.netem.words.reader import DEFAULT_QUEUE, SpecReader, number_text
 
 
 class Rate(Word, frozen=True):
@@ -30,7 +30,7 @@ class Rate(Word, frozen=True):
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def parse(cls, reader: Reader) -> Word:
+    def parse(cls, reader: SpecReader) -> Word:
         """`:RATE[,QUEUE]` or `:trace(FILE[,QUEUE])`."""
         reader.expect(":", "the rate")
         if reader.take("trace("):
@@ -45,7 +45,7 @@ class Rate(Word, frozen=True):
         tail = "" if self.queue == DEFAULT_QUEUE else f",{self.queue}B"
         return f"rate:{number_text(self.bits_per_second // factor)}{unit}{tail}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The queue."""
         return _Rate(self.bits_per_second, self.queue)
 

@@ -7,9 +7,9 @@ from collections import deque
 from functools import lru_cache
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Scope, Stage, Transit, Word
 from farhand.netem.recordings.rate import DeliverySchedule, RateTrace, load_rate_trace
-from farhand.netem.words.reader import DEFAULT_QUEUE, Reader, path_text
+from farhand.netem.words.reader import DEFAULT_QUEUE, SpecReader, path_text
 
 
 class RateByTrace(Word, frozen=True):
@@ -30,7 +30,7 @@ class RateByTrace(Word, frozen=True):
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def arguments(cls, reader: Reader) -> "RateByTrace":
+    def arguments(cls, reader: SpecReader) -> "RateByTrace":
         """`FILE[,QUEUE])`."""
         reader.example = "rate:trace(verizon.up,64kB)"
         path = reader.path("the packet-delivery trace's file")
@@ -47,7 +47,7 @@ class RateByTrace(Word, frozen=True):
         """Read the file; raises TraceError."""
         _load(self.path)
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The queue."""
         return _Deliveries(_load(self.path).schedule(), self.queue)
 

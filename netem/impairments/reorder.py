@@ -8,9 +8,9 @@ delayed except every N-th, which with probability P is sent at once.
 
 from typing import ClassVar, Literal
 
-from farhand.netem.impairments.base import Context, Impairment, InOrder, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, InOrder, Stage, Transit, Word
 from farhand.netem.impairments.loss_random import RandomEvents
-from farhand.netem.words.reader import Reader, percent_text
+from farhand.netem.words.reader import SpecReader, percent_text
 
 Mode = Literal["drawn", "in-order", "gap"]
 
@@ -36,7 +36,7 @@ class Reorder(Word, frozen=True):
     stage: ClassVar[Stage] = Stage.REORDER
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Reorder":
+    def parse(cls, reader: SpecReader) -> "Reorder":
         """`:drawn`, `:in-order` or `:gap(N[,P[,CORRELATION%]])`."""
         reader.expect(":", "drawn, in-order or gap(...)")
         if reader.take("drawn"):
@@ -61,7 +61,7 @@ class Reorder(Word, frozen=True):
             values.append(percent_text(self.correlation))
         return f"reorder:gap({','.join(values)})"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """What keeps or breaks the order."""
         if self.mode == "in-order":
             return InOrder()

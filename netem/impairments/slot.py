@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from farhand.netem.words.reader import Reader, milliseconds_text
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Scope, Stage, Transit, Word
+from farhand.netem.words.reader import SpecReader, milliseconds_text
 
 _KEPT_NS = 10_000_000_000
 
@@ -33,7 +33,7 @@ class Slot(Word, frozen=True):
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Slot":
+    def parse(cls, reader: SpecReader) -> "Slot":
         """`:MIN[,MAX[,COUNT]]`, ms."""
         start = reader.position + 1
         reader.expect(":", "the slots' spacing in ms")
@@ -57,7 +57,7 @@ class Slot(Word, frozen=True):
             words.append(str(self.count))
         return f"slot:{','.join(words)}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The slots."""
         return _Slots(self, context.rng("slot"), context.origin_ns)
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from farhand.netem.impairments.base import Connection, Impairment, LossModel, Stage, Transit, Word
-from farhand.netem.words.reader import Reader, milliseconds_text
+from farhand.netem.words.reader import SpecReader, milliseconds_text
 
 DEFAULT_TIMEOUT_NS = 200_000_000
 MAX_RETRANSMISSIONS = 15
@@ -33,7 +33,7 @@ class TcpLike(Word, frozen=True):
     repairs: ClassVar[bool] = True
 
     @classmethod
-    def parse(cls, reader: Reader) -> "TcpLike":
+    def parse(cls, reader: SpecReader) -> "TcpLike":
         """`[:TIMEOUT]`, ms."""
         if not reader.take(":"):
             return cls()

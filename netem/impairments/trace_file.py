@@ -11,14 +11,14 @@ from farhand.netem.recordings.formats.base import KINDS, UNITS
 from farhand.netem.recordings.gaps import GAPS
 from farhand.netem.recordings.playback import AT_ENDS
 from farhand.netem.recordings.trace import Trace, load_trace
-from farhand.netem.words.reader import Reader, path_text
+from farhand.netem.words.reader import SpecReader, path_text
 
 OPTIONS = ("unit", "column", "period", "kind", "format", "gap", "at_end", "share")
 _CHOICES = {"unit": tuple(UNITS), "kind": KINDS, "gap": GAPS, "at_end": AT_ENDS}
 Options = tuple[tuple[str, str], ...]
 
 
-def parse_options(reader: Reader) -> Options:
+def parse_options(reader: SpecReader) -> Options:
     """Read `,NAME=VALUE` pairs."""
     found: dict[str, str] = {}
     while reader.take(","):

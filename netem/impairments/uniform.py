@@ -3,10 +3,10 @@
 from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.base import ImpairmentContext
 from farhand.netem.impairments.delay import CorrelatedNormal, DelayWord, upper_tail
 from farhand.netem.recordings.playback import DelaySampler
-from farhand.netem.words.reader import Reader, milliseconds_text, percent_text
+from farhand.netem.words.reader import SpecReader, milliseconds_text, percent_text
 
 
 class Uniform(DelayWord, frozen=True):
@@ -25,7 +25,7 @@ class Uniform(DelayWord, frozen=True):
     description: ClassVar[str] = "delays evenly between 50 and 200 ms"
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Uniform":
+    def parse(cls, reader: SpecReader) -> "Uniform":
         """`:LOW,HIGH[,CORRELATION%]`, ms."""
         reader.expect(":", "the smallest and the largest delay in ms")
         low_ns = reader.duration_ns("the smallest delay in ms")
@@ -45,7 +45,7 @@ class Uniform(DelayWord, frozen=True):
         tail = f",{percent_text(self.correlation)}" if self.correlation else ""
         return f"uniform:{milliseconds_text(self.low_ns)},{milliseconds_text(self.high_ns)}{tail}"
 
-    def sampler(self, context: Context) -> DelaySampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Uniform delays."""
         return _UniformSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
 

@@ -5,7 +5,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from farhand.netem.recordings.formats.base import MAX_SAMPLES, Samples, TraceText
+from farhand.netem.recordings.formats.base import MAX_SAMPLES, TraceSamples, TraceText
 
 Gap = Literal["loss", "delay", "ignore"]
 GAPS: tuple[Gap, ...] = get_args(Gap)
@@ -17,7 +17,7 @@ GAP_FACTOR = 1.75
 
 
 def without_gaps(
-    samples: Samples, recorded: NDArray[np.float64], gap: Gap, text: TraceText
+    samples: TraceSamples, recorded: NDArray[np.float64], gap: Gap, text: TraceText
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Delays and times with missing rows filled in as lost, and with pauses of the recording cut out."""
     times = np.array(samples.times, dtype=np.float64)

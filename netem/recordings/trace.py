@@ -19,8 +19,8 @@ from farhand.netem.recordings.formats.base import (
     MAX_SAMPLES,
     UNITS,
     Kind,
-    ReadOptions,
-    Samples,
+    TraceOptions,
+    TraceSamples,
     TraceText,
 )
 from farhand.netem.recordings.formats.registry import format_called, format_of
@@ -154,7 +154,7 @@ def load_trace(
         raise TraceError(f"trace {name}: the period is {period} s; it must be positive")
     text = read_text(path)
     chosen = format_called(format, f"trace {name}") if format else format_of(text)
-    samples = chosen.read(text, ReadOptions(unit, column, period, kind))
+    samples = chosen.read(text, TraceOptions(unit, column, period, kind))
     recorded = _checked(samples, text)
     times = None
     if samples.times is not None:
@@ -164,7 +164,7 @@ def load_trace(
     return Trace(recorded, times, samples.period, samples.kind, samples.provenance, gap)
 
 
-def _checked(samples: Samples, text: TraceText) -> NDArray[np.float64]:
+def _checked(samples: TraceSamples, text: TraceText) -> NDArray[np.float64]:
     """The delays that a format gave, as an array; raises TraceError where they are no trace."""
     count = len(samples.delays)
     if not count:

@@ -22,7 +22,7 @@ _RATES = {"bit": 1.0, "kbit": 1e3, "mbit": 1e6, "gbit": 1e9}
 _SIZES = {"b": 1.0, "kb": 1e3, "mb": 1e6}
 
 
-class Reader:
+class SpecReader:
     """A cursor over the text of one SPEC.
 
     Args:
@@ -181,7 +181,7 @@ class Reader:
 
 
 def path_text(path: str) -> str:
-    """A file name as `Reader.path` reads it."""
+    """A file name as `SpecReader.path` reads it."""
     plain = not any(character.isspace() or character in ',")][' for character in path)
     return path if plain else f'"{path}"'
 

@@ -27,7 +27,7 @@ LONGEST_DELAY = 3600.0
 
 
 @dataclass(frozen=True)
-class ReadOptions:
+class TraceOptions:
     """What the caller says about a file; None where the file or the format says it.
 
     Attributes:
@@ -44,7 +44,7 @@ class ReadOptions:
 
 
 @dataclass
-class Samples:
+class TraceSamples:
     """What a reader found.
 
     Attributes:
@@ -101,7 +101,7 @@ class TraceFormat(ABC):
         """Whether a text, which is not empty, looks like it."""
 
     @abstractmethod
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
         """Its samples; raises TraceError (`text.fail`) with the line and what is wrong with it."""
 
 
@@ -147,7 +147,7 @@ def comments(text: TraceText) -> dict[str, str]:
     return found
 
 
-def kind_in(header: dict[str, str], options: ReadOptions, text: TraceText) -> Kind | None:
+def kind_in(header: dict[str, str], options: TraceOptions, text: TraceText) -> Kind | None:
     """The kind that the caller says, or the file's header; None without one."""
     if options.kind is not None:
         return options.kind
@@ -161,7 +161,7 @@ def kind_in(header: dict[str, str], options: ReadOptions, text: TraceText) -> Ki
     text.fail(f"kind {stated!r} in the header; one-way or round-trip")
 
 
-def period_in(header: dict[str, str], options: ReadOptions, text: TraceText) -> float | None:
+def period_in(header: dict[str, str], options: TraceOptions, text: TraceText) -> float | None:
     """The spacing of the samples (s) that the caller says, or the file's header; None without one."""
     if options.period is not None or "period" not in header:
         return options.period

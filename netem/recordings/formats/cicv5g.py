@@ -9,9 +9,9 @@ Lost echoes are not rows: the gaps in `pub_time` tell of them.
 from typing import ClassVar
 
 from farhand.netem.recordings.formats.base import (
-    ReadOptions,
-    Samples,
     TraceFormat,
+    TraceOptions,
+    TraceSamples,
     TraceText,
     check_delay,
     factor_of,
@@ -31,7 +31,7 @@ class Cicv5g(TraceFormat):
         """Whether the first line is the data set's header."""
         return text.lines[0].split()[:1] == [_TIME]
 
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
         """Timed round trips."""
         names = text.lines[0].split()
         column = options.column or _DELAY
@@ -41,7 +41,7 @@ class Cicv5g(TraceFormat):
             text.fail(f"no column {column!r}; there are {', '.join(names)}", 1)
         factor = factor_of(options.unit or "ms", text)
         time_at, delay_at = names.index(_TIME), names.index(column)
-        samples = Samples(options.kind or "round-trip", times=[], provenance="CICV5G")
+        samples = TraceSamples(options.kind or "round-trip", times=[], provenance="CICV5G")
         times: list[float] = []
         for index, content in enumerate(text.lines[1:], start=2):
             cells = content.split()

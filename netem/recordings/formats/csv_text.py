@@ -21,9 +21,9 @@ from typing import ClassVar
 
 from farhand.netem.recordings.formats.base import (
     UNITS,
-    ReadOptions,
-    Samples,
     TraceFormat,
+    TraceOptions,
+    TraceSamples,
     TraceText,
     check_delay,
     comments,
@@ -53,14 +53,14 @@ class CsvText(TraceFormat):
         first = next((line for line in text.lines if line.strip() and not line.startswith("#")), "")
         return "," in first or first.strip().lower().startswith(_DELAY_NAMES)
 
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
         """Samples of the delay's column, timed if there is a column of times."""
         header = comments(text)
         start = next((i for i, line in enumerate(text.lines) if line.strip() and line[0] != "#"), None)
         if start is None:
             text.fail("no samples")
         columns = _Columns(text, start, header, options)
-        samples = Samples(
+        samples = TraceSamples(
             kind_in(header, options, text) or "one-way", provenance=header.get("provenance", "")
         )
         period = period_in(header, options, text)
@@ -91,7 +91,7 @@ class _Columns:
         options: what the caller says.
     """
 
-    def __init__(self, text: TraceText, start: int, header: dict[str, str], options: ReadOptions) -> None:
+    def __init__(self, text: TraceText, start: int, header: dict[str, str], options: TraceOptions) -> None:
         self._text = text
         names = _cells(text, start)
         self._count = len(names)
@@ -156,7 +156,7 @@ def _unit_of(name: str) -> str | None:
     return unit if unit in UNITS else None
 
 
-def _delay_column(names: list[str], count: int, options: ReadOptions, text: TraceText) -> int:
+def _delay_column(names: list[str], count: int, options: TraceOptions, text: TraceText) -> int:
     wanted = options.column
     if wanted is not None:
         for index, name in enumerate(names):

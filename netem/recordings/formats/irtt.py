@@ -11,9 +11,9 @@ import msgspec
 
 from farhand.netem.recordings.formats.base import (
     UNITS,
-    ReadOptions,
-    Samples,
     TraceFormat,
+    TraceOptions,
+    TraceSamples,
     TraceText,
     check_delay,
 )
@@ -55,7 +55,7 @@ class Irtt(TraceFormat):
         head = "\n".join(text.lines[:4])
         return head.lstrip().startswith("{") and any('"round_trips"' in line for line in text.lines)
 
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
         """Timed round trips, or delays one way."""
         column = options.column or "rtt"
         if column not in _COLUMNS:
@@ -66,7 +66,9 @@ class Irtt(TraceFormat):
             report = msgspec.json.decode("\n".join(text.lines), type=_Report)
         except (msgspec.DecodeError, RecursionError, ValueError) as error:
             text.fail(f"not the JSON of irtt: {error}")
-        samples = Samples(options.kind or ("round-trip" if column == "rtt" else "one-way"), provenance="irtt")
+        samples = TraceSamples(
+            options.kind or ("round-trip" if column == "rtt" else "one-way"), provenance="irtt"
+        )
         times: list[float] = []
         for index, trip in enumerate(report.round_trips):
             lost = trip.lost is True or (isinstance(trip.lost, str) and trip.lost.startswith("true"))

@@ -9,9 +9,9 @@ import re
 from typing import ClassVar
 
 from farhand.netem.recordings.formats.base import (
-    ReadOptions,
-    Samples,
     TraceFormat,
+    TraceOptions,
+    TraceSamples,
     TraceText,
     check_delay,
     number,
@@ -40,7 +40,7 @@ class Ping(TraceFormat):
             for line in text.lines[:5]
         )
 
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
         """Round trips in the order of their sequence numbers; an answer that came twice counts once."""
         if options.column is not None:
             text.fail(f"no column {options.column!r}: ping output has none")
@@ -50,7 +50,7 @@ class Ping(TraceFormat):
         for line, content in enumerate(text.lines, start=1):
             answers.take(line, content)
         provenance = text.lines[0].strip() if text.lines[0].startswith(("PING", "Pinging")) else "ping"
-        samples = Samples(options.kind or "round-trip", provenance=provenance[:200])
+        samples = TraceSamples(options.kind or "round-trip", provenance=provenance[:200])
         if not answers.delays:
             return samples
         numbers = range(min(answers.delays), max(answers.delays) + 1)

@@ -8,9 +8,9 @@ import re
 from typing import ClassVar
 
 from farhand.netem.recordings.formats.base import (
-    ReadOptions,
-    Samples,
     TraceFormat,
+    TraceOptions,
+    TraceSamples,
     TraceText,
     check_delay,
     comments,
@@ -39,7 +39,7 @@ class Slots(TraceFormat):
             return first in _LOST
         return True
 
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
         """Evenly spaced samples."""
         header = comments(text)
         if options.column not in (None, "1"):
@@ -53,7 +53,7 @@ class Slots(TraceFormat):
                 "(a packet-delivery trace of mahimahi describes a rate, not delays)"
             )
         factor = factor_of(options.unit or header.get("unit") or "ms", text)
-        samples = Samples(
+        samples = TraceSamples(
             kind_in(header, options, text) or "one-way",
             period=period,
             provenance=header.get("provenance", ""),

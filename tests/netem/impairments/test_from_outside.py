@@ -21,7 +21,7 @@ from farhand.netem.impairments.registry import BUILT_IN, described, kinds, word_
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.words import kernel_network
-from farhand.netem.words.reader import Reader
+from farhand.netem.words.reader import SpecReader
 from farhand.runs.scenario import load_scenario
 
 GROUP = "farhand.impairments"
@@ -41,7 +41,7 @@ class Late(Word, frozen=True):
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Late":
+    def parse(cls, reader: SpecReader) -> "Late":
         reader.expect(":", "every how many-th")
         every = reader.count("every how many-th")
         return cls(every, reader.duration_ns("how much later, in ms") if reader.take(",") else 20 * MS)
@@ -72,7 +72,7 @@ class Odd(Word, frozen=True):
     stage: ClassVar[Stage] = Stage.LOSS
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Odd":
+    def parse(cls, reader: SpecReader) -> "Odd":
         return cls()
 
     def text(self) -> str:

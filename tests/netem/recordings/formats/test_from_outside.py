@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from farhand.cli import app
 from farhand.common.errors import TraceError
 from farhand.netem.chain import Chain
-from farhand.netem.recordings.formats.base import ReadOptions, Samples, TraceFormat, TraceText
+from farhand.netem.recordings.formats.base import TraceFormat, TraceOptions, TraceSamples, TraceText
 from farhand.netem.recordings.formats.registry import FORMATS, format_of
 from farhand.netem.recordings.trace import load_trace
 from farhand.netem.spec import parse_spec
@@ -26,8 +26,8 @@ class Semicolons(TraceFormat):
     def matches(self, text: TraceText) -> bool:
         return text.lines[0] == "number;delay, ms"
 
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
-        samples = Samples(options.kind or "one-way", provenance="theirs", period=0.02)
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
+        samples = TraceSamples(options.kind or "one-way", provenance="theirs", period=0.02)
         for line, content in enumerate(text.lines[1:], start=2):
             if content:
                 word = content.partition(";")[2]
@@ -50,10 +50,10 @@ class Anything(Semicolons):
 class Nonsense(Semicolons):
     """Gives what is no trace."""
 
-    def read(self, text: TraceText, options: ReadOptions) -> Samples:
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
         if text.lines[1] == "times":
-            return Samples("one-way", delays=[0.1, 0.2], times=[0.0])
-        return Samples("one-way", delays=[-0.1 if text.lines[1] == "negative" else math.inf])
+            return TraceSamples("one-way", delays=[0.1, 0.2], times=[0.0])
+        return TraceSamples("one-way", delays=[-0.1 if text.lines[1] == "negative" else math.inf])
 
 
 @pytest.fixture
