@@ -14,3 +14,8 @@ def stream(seed: int, *names: str) -> np.random.Generator:
     """
     digest = hashlib.sha256("/".join(names).encode()).digest()
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, *digest[:8]])))
+
+
+def derived(rng: np.random.Generator) -> np.random.Generator:
+    """A generator of its own, seeded by the next draw of another."""
+    return np.random.Generator(np.random.PCG64(int(rng.integers(1 << 62))))

@@ -22,10 +22,24 @@ if TYPE_CHECKING:
     from farhand.laboratory.simulation import SimulationResult as SimulationResult
     from farhand.laboratory.simulation import simulate as simulate
     from farhand.laboratory.simulation import simulate_run as simulate_run
+    from farhand.netem.impairments.base import Impairment as Impairment
+    from farhand.netem.impairments.base import ImpairmentContext as ImpairmentContext
+    from farhand.netem.impairments.base import LossModel as LossModel
+    from farhand.netem.impairments.base import Scope as Scope
+    from farhand.netem.impairments.base import Stage as Stage
+    from farhand.netem.impairments.base import Transit as Transit
+    from farhand.netem.impairments.base import Word as Word
+    from farhand.netem.impairments.delay import DelayWord as DelayWord
+    from farhand.netem.recordings.formats.base import TraceFormat as TraceFormat
+    from farhand.netem.recordings.formats.base import TraceOptions as TraceOptions
+    from farhand.netem.recordings.formats.base import TraceSamples as TraceSamples
+    from farhand.netem.recordings.formats.base import TraceText as TraceText
     from farhand.netem.recordings.trace import Trace as Trace
     from farhand.netem.recordings.trace import load_trace as load_trace
     from farhand.netem.spec import Spec as Spec
     from farhand.netem.spec import parse_spec as parse_spec
+    from farhand.netem.words.reader import SpecReader as SpecReader
+    from farhand.netem.words.reader import milliseconds_text as milliseconds_text
     from farhand.operator_side.control.controller import Controller as Controller
     from farhand.operator_side.control.controller import ControlProblem as ControlProblem
     from farhand.operator_side.control.controller import ControlSolution as ControlSolution
@@ -69,6 +83,20 @@ _HOME = {
     "SimulationResult": "laboratory.simulation",
     "simulate": "laboratory.simulation",
     "simulate_run": "laboratory.simulation",
+    "Impairment": "netem.impairments.base",
+    "ImpairmentContext": "netem.impairments.base",
+    "LossModel": "netem.impairments.base",
+    "Scope": "netem.impairments.base",
+    "Stage": "netem.impairments.base",
+    "Transit": "netem.impairments.base",
+    "Word": "netem.impairments.base",
+    "DelayWord": "netem.impairments.delay",
+    "TraceFormat": "netem.recordings.formats.base",
+    "TraceOptions": "netem.recordings.formats.base",
+    "TraceSamples": "netem.recordings.formats.base",
+    "TraceText": "netem.recordings.formats.base",
+    "SpecReader": "netem.words.reader",
+    "milliseconds_text": "netem.words.reader",
     "Trace": "netem.recordings.trace",
     "load_trace": "netem.recordings.trace",
     "Spec": "netem.spec",

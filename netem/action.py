@@ -8,8 +8,9 @@ import msgspec
 from farhand.common.errors import InputError
 from farhand.common.messages.keys import check_robot_name
 from farhand.common.timing.clock import to_ns
+from farhand.netem.impairments.registry import kinds
 from farhand.netem.netem_node import DIRECTIONS, NetemNode
-from farhand.netem.spec import CLASSES, KINDS, Spec, parse_spec
+from farhand.netem.spec import CLASSES, Spec, parse_spec
 
 Do = Literal["set", "add", "remove", "outage", "reset", "common"]
 MAX_OUTAGE = 1e6
@@ -50,10 +51,8 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             parse_spec(self.spec).prepare()
         elif self.spec:
             raise InputError(f"{self.do}: takes no spec")
-        if self.do == "remove" and self.name not in (*KINDS, *CLASSES):
-            raise InputError(
-                f"remove: no such thing as {self.name!r}; one of {', '.join((*KINDS, *CLASSES))}"
-            )
+        if self.do == "remove" and self.name not in (known := (*kinds(), *CLASSES)):
+            raise InputError(f"remove: no such thing as {self.name!r}; one of {', '.join(known)}")
         if self.do == "outage" and not (math.isfinite(self.length) and 0 < self.length <= MAX_OUTAGE):
             raise InputError(
                 f"outage: the length is {self.length} s; it must be above 0, at most {MAX_OUTAGE:g}"
@@ -91,6 +90,3 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             whose = f" of robot {self.robot!r}" if self.robot else ""
             raise InputError(f"remove: the {direction}{whose} has no {self.name!r}; it is {spec}")
         return found
-
-
-ACTION_KINDS: tuple[str, ...] = ("set", "add", "remove", "outage", "reset", "common")

@@ -1,16 +1,25 @@
 """One direction of the network: the impairments of a Spec in their stated order.
 
-OUTAGE, LOSS, (or both as TCP), DUPLICATE, CORRUPT, RATE, DELAY, REORDER, SLOT, (TCP_ORDER).
+OUTAGE, LOSS (or both through a word that repairs, such as tcp-like), DUPLICATE, CORRUPT, RATE, DELAY, REORDER,
+SLOT, and the order of the word that repairs.
 """
 
 from collections.abc import Hashable, Sequence
-from typing import cast
 
 from farhand.common.link.link import Packet
 from farhand.common.messages.keys import kind_of, robot_of
-from farhand.netem.impairments.base import Context, Flow, Impairment, LossModel, Scope, Stage, Transit, Word
+from farhand.netem.impairments.base import (
+    Connection,
+    Flow,
+    Impairment,
+    ImpairmentContext,
+    LossModel,
+    Scope,
+    Stage,
+    Transit,
+    Word,
+)
 from farhand.netem.impairments.outage import OutageStage, Windows
-from farhand.netem.impairments.tcp_like import Connection, TcpLike
 from farhand.netem.spec import CLASSES, Spec
 
 MAX_FLOWS = 1024
@@ -99,11 +108,8 @@ class Chain:
 
     def below_zero(self) -> int:
         """Delays that were drawn below zero and became zero."""
-        return sum(
-            getattr(impairment, "below_zero", 0)
-            for built in self._built.values()
-            for impairment in built.values()
-        )
+        everything = (*self._built.values(), *self._shared.values())
+        return sum(impairment.below_zero for built in everything for impairment in built.values())
 
     def _rebuild(self) -> None:
         for flow in self._flows.values():
@@ -131,42 +137,40 @@ class Chain:
         head: list[tuple[Stage, Impairment]] = [(Stage.OUTAGE, stage) for _, stage in self._outages]
         tail: list[Impairment] = []
         copy_tail: list[Impairment] = []
-        tcp: tuple[TcpLike, Connection] | None = None
+        repair: tuple[Word, Connection] | None = None
         words = self.spec.words_for(message_class)
         duplicates = any(word.stage is Stage.DUPLICATE for word, _ in words)
         for word, own in words:
             owner = message_class if own else ""
+            if word.repairs:
+                repair = (word, self._connections.setdefault(owner, Connection()))
+                continue
             if word.scope is Scope.LINK:
                 built = self._shared.setdefault(owner, {})
                 impairment = _found_or_built(built, built, word, word, self._context(owner, owner, word.kind))
             else:
                 impairment = _found_or_built(before, now, word, word, self._context(key, owner, word.kind))
-            if isinstance(word, TcpLike):
-                tcp = (word, self._connections.setdefault(owner, Connection()))
-            elif word.stage <= Stage.DUPLICATE:
+            if word.stage <= Stage.DUPLICATE:
                 head.append((word.stage, impairment))
-            else:
-                tail.append(impairment)
-                if duplicates and word.stage in (Stage.CORRUPT, Stage.DELAY):
-                    context = self._context(f"{key}#copy", owner, word.kind)
-                    impairment = _found_or_built(before, now, ("copy", word), word, context)
-                copy_tail.append(impairment)
+                continue
+            tail.append(impairment)
+            if duplicates and _draws_anew(word):
+                context = self._context(f"{key}#copy", owner, word.kind)
+                impairment = _found_or_built(before, now, ("copy", word), word, context)
+            copy_tail.append(impairment)
         self._built[key] = now
-        if tcp is not None:
-            word, connection = tcp
+        if repair is not None:
+            word, connection = repair
             tail.append(connection.order)
             copy_tail.append(connection.order)
             head = _repaired(head, word, connection)
         return [impairment for _, impairment in head], tail, copy_tail
 
-    def _context(self, owner: str, message_class: str, kind: str) -> Context:
+    def _context(self, owner: str, message_class: str, kind: str) -> ImpairmentContext:
         generation = self._generations.get((message_class, kind), self._first)
-        return Context(self._seed, self.direction, owner, self._origin_ns or 0, generation, self._robot)
-
-
-def build_chain(spec: Spec, seed: int, direction: str) -> Chain:
-    """The chain of one direction; raises InputError when a file that the Spec names cannot be read."""
-    return Chain(spec, seed, direction)
+        return ImpairmentContext(
+            self._seed, self.direction, owner, self._origin_ns or 0, generation, self._robot
+        )
 
 
 def _words(spec: Spec, name: str) -> tuple[Word, ...]:
@@ -175,16 +179,28 @@ def _words(spec: Spec, name: str) -> tuple[Word, ...]:
     return next((words or () for known, words in spec.classes if known == name), ())
 
 
-def _found_or_built(before: _Built, now: _Built, place: Hashable, word: Word, context: Context) -> Impairment:
+def _found_or_built(
+    before: _Built, now: _Built, place: Hashable, word: Word, context: ImpairmentContext
+) -> Impairment:
     """The impairment that is there already, with its state, or a new one."""
     found = now[place] = before.get(place) or word.build(context)
     return found
 
 
+def _draws_anew(word: Word) -> bool:
+    """Whether a copy passes an impairment of its own: its draws must not shift those of the messages."""
+    return word.scope is Scope.FLOW and word.stage in (Stage.CORRUPT, Stage.DELAY)
+
+
 def _repaired(
-    head: list[tuple[Stage, Impairment]], word: TcpLike, connection: Connection
+    head: list[tuple[Stage, Impairment]], word: Word, connection: Connection
 ) -> list[tuple[Stage, Impairment]]:
-    """With `tcp-like` among them, the losses and outages act through it."""
-    losses = [cast(LossModel, each) for stage, each in head if stage in (Stage.OUTAGE, Stage.LOSS)]
-    kept = [pair for pair in head if pair[0] not in (Stage.OUTAGE, Stage.LOSS)]
+    """With a word that repairs among them, the losses and outages act through it."""
+    losses: list[LossModel] = []
+    kept: list[tuple[Stage, Impairment]] = []
+    for stage, impairment in head:
+        if stage < Stage.TCP and isinstance(impairment, LossModel):
+            losses.append(impairment)
+        else:
+            kept.append((stage, impairment))
     return [(Stage.TCP, word.around(losses, connection)), *kept]

@@ -1,16 +1,15 @@
 """One way of the emulator: the common chain, the chains that robots have of their own, queue, statistics."""
 
-from collections.abc import Mapping
-
 import msgspec
 
 from farhand.common.errors import InputError
 from farhand.common.link.link import Link
 from farhand.common.messages.keys import robot_of
 from farhand.netem.chain import Chain
+from farhand.netem.emulation import Emulation
+from farhand.netem.measure.flow_statistics import FlowStatistics
 from farhand.netem.measure.round_trips import MAX_ROBOTS
-from farhand.netem.measure.statistics import FlowStatistics
-from farhand.netem.release_queue import Limits, ReleaseQueue
+from farhand.netem.release_queue import ReleaseQueue
 from farhand.netem.result import DirectionResult
 from farhand.netem.spec import Spec
 
@@ -21,33 +20,21 @@ class Direction:
     Args:
         name: "uplink" or "downlink".
         source, target: the links.
-        spec: what it is like, but for robots that have a network of their own.
-        own_specs: what it is like for those, by robot.
-        seed: of all draws.
-        limits: of the queue.
+        emulation: what it is like, for all robots and for those that have a network of their own.
 
     Raises:
         InputError: a file that a Spec names cannot be read, or too many robots have their own.
     """
 
-    def __init__(
-        self,
-        name: str,
-        source: Link,
-        target: Link,
-        spec: Spec,
-        own_specs: Mapping[str, Spec],
-        seed: int,
-        limits: Limits,
-    ) -> None:
+    def __init__(self, name: str, source: Link, target: Link, emulation: Emulation) -> None:
         self.name = name
         self.source, self.target = source, target
-        self.chain = Chain(spec, seed, name)
-        self.queue = ReleaseQueue(limits)
+        self._initial, self._own_initial = emulation.spec(name), emulation.own_specs(name)
+        self.chain = Chain(self._initial, emulation.seed, name)
+        self.queue = ReleaseQueue(emulation.limits)
         self.robots: dict[str, FlowStatistics] = {}
         self.own_chains: dict[str, Chain] = {}
-        self._seed = seed
-        self._initial, self._own_initial = spec, dict(own_specs)
+        self._seed = emulation.seed
         self._origin_ns: int | None = None
         self._versions: dict[str, int] = {}
         self._outages: list[tuple[int, int, bool]] = []

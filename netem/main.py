@@ -19,6 +19,7 @@ from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.common.trust.tls import load_folder, watch_names
 from farhand.netem.control import ControlServer, control_endpoint
+from farhand.netem.emulation import Emulation
 from farhand.netem.measure.message_log import CsvLog
 from farhand.netem.measure.metrics import MetricsServer
 from farhand.netem.measure.report import print_statistics
@@ -133,14 +134,10 @@ def run_netem(
         node = NetemNode(
             proxy.operator_link,
             proxy.robot_link,
-            uplink,
-            downlink,
-            settings.seed,
-            limits=settings.limits,
+            Emulation(uplink, downlink, settings.seed, settings.own_networks(), settings.limits),
             log=log,
             schedule=schedule,
             instant=clock.now_ns,
-            robot_networks=settings.own_networks(),
         )
         control = ControlServer(settings.control, wake) if settings.control else None
         if control is not None:

@@ -5,19 +5,20 @@ when it arrives; it is released when its time has come. Times in schedules count
 """
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Protocol
 
 from farhand.common.errors import FarhandError
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.keys import kind_of
 from farhand.netem.direction import Direction
+from farhand.netem.emulation import Emulation
+from farhand.netem.envelope import MustArrive
 from farhand.netem.impairments.base import Transit
+from farhand.netem.measure.flow_statistics import FlowStatistics
+from farhand.netem.measure.histogram import Histogram
 from farhand.netem.measure.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
-from farhand.netem.measure.statistics import FlowStatistics, Histogram
-from farhand.netem.release_queue import Limits
 from farhand.netem.result import NetemResult
-from farhand.netem.spec import Spec
 
 DIRECTIONS = ("uplink", "downlink")
 RETRANSMISSION_NS = 200_000_000
@@ -52,15 +53,11 @@ class NetemNode:
 
     Args:
         operator_link, robot_link: the two sides.
-        uplink, downlink: what the network is like from the operator to the robot, and back.
-        seed: of all draws.
-        limits: bounds of each direction's memory.
+        emulation: what the network is like.
         log: takes the fate of every message.
         schedule: changes the network while it runs.
         instant: reads the time after a sending, so that the achieved delay holds the emulator's own
             work; without it the time of the step is taken (exact in virtual time).
-        robot_networks: by robot, what a direction ("uplink", "downlink") is like for it instead; a robot
-            draws from streams of its own in a network of its own.
 
     Raises:
         InputError: a file that a Spec names cannot be read.
@@ -70,22 +67,14 @@ class NetemNode:
         self,
         operator_link: Link,
         robot_link: Link,
-        uplink: Spec,
-        downlink: Spec,
-        seed: int,
-        limits: Limits | None = None,
+        emulation: Emulation,
+        *,
         log: MessageLog | None = None,
         schedule: Schedule | None = None,
         instant: Callable[[], int] | None = None,
-        robot_networks: Mapping[str, Mapping[str, Spec]] | None = None,
     ) -> None:
-        limits = limits or Limits()
-        own: dict[str, dict[str, Spec]] = {name: {} for name in DIRECTIONS}
-        for robot, by_direction in (robot_networks or {}).items():
-            for name, spec in by_direction.items():
-                own[name][robot] = spec
-        up = Direction("uplink", operator_link, robot_link, uplink, own["uplink"], seed, limits)
-        down = Direction("downlink", robot_link, operator_link, downlink, own["downlink"], seed, limits)
+        up = Direction("uplink", operator_link, robot_link, emulation)
+        down = Direction("downlink", robot_link, operator_link, emulation)
         self.directions = {"uplink": up, "downlink": down}
         self.round_trips: dict[str, RoundTrips] = {}
         self._both = (up, down)
@@ -171,7 +160,7 @@ class NetemNode:
     def _queue(self, direction: Direction, transit: Transit, statistics: FlowStatistics) -> None:
         statistics.retransmitted += transit.retransmissions
         if transit.cause:
-            if not getattr(transit.packet.envelope, "reliable", False):
+            if not isinstance(transit.packet.envelope, MustArrive):
                 self._drop(direction, transit, statistics)
                 return
             transit.offer_again = True

@@ -2,7 +2,7 @@
 
     SPEC   := "none" | ITEM (space ITEM)*
     ITEM   := WORD | CLASS "[" SPEC "]"
-    WORD   := a profile's name | NAME [":" parameters]        (registry.py lists the names)
+    WORD   := a profile's name | NAME [":" parameters]        (impairments/registry.py lists the names)
     CLASS  := command | state | scene | description | camera | other
 
 Delays and times are in ms unless a unit follows (us, ms, s, min); probabilities are 5% or 0.05; rates and
@@ -15,10 +15,10 @@ import difflib
 
 import msgspec
 
+from farhand.common.errors import InputError
 from farhand.netem.impairments.base import Word
-from farhand.netem.impairments.profile import ModelWord, ProfileWord, profile_names
-from farhand.netem.impairments.registry import KINDS, WORDS
-from farhand.netem.words.reader import MAX_TEXT, Reader
+from farhand.netem.impairments.registry import IMPAIRMENTS, word_called
+from farhand.netem.words.reader import MAX_TEXT, SpecReader
 
 CLASSES = ("command", "state", "scene", "description", "camera", "other")
 
@@ -86,7 +86,7 @@ NONE = Spec()
 
 def parse_spec(text: str) -> Spec:
     """The Spec that a text says; raises SpecError with one line that points at the character."""
-    reader = Reader(text)
+    reader = SpecReader(text)
     if len(text) > MAX_TEXT:
         reader.fail(f"longer than {MAX_TEXT} characters", MAX_TEXT)
     reader.skip_space()
@@ -113,7 +113,7 @@ def parse_spec(text: str) -> Spec:
     return _spec(words, classes)
 
 
-def _class_words(reader: Reader) -> tuple[Word, ...] | None:
+def _class_words(reader: SpecReader) -> tuple[Word, ...] | None:
     words: list[Word] = []
     is_none = False
     reader.skip_space()
@@ -135,38 +135,38 @@ def _class_words(reader: Reader) -> tuple[Word, ...] | None:
     return None if is_none else _in_order(words)
 
 
-def _word(name: str, reader: Reader, start: int) -> Word:
-    if name in WORDS:
-        return WORDS[name].parse(reader)
-    if name == "model":
-        return ModelWord.parse(reader)
-    if name in profile_names():
-        return ProfileWord(name)
-    known = ["none", *WORDS, "model", *profile_names()]
-    close = difflib.get_close_matches(name, known, n=1)
+def _word(name: str, reader: SpecReader, start: int) -> Word:
+    if name in IMPAIRMENTS:
+        try:
+            word = word_called(name)
+        except InputError as error:
+            reader.fail(str(error), start)
+        reader.word, reader.example = name, word.example
+        return word.parse(reader)
     if not name:
         reader.fail("expected the name of an impairment or of a profile", start)
+    close = difflib.get_close_matches(name, ["none", *IMPAIRMENTS.names()], n=1)
     hint = f"; is {close[0]!r} meant?" if close else ""
     reader.fail(
         f"no impairment and no profile is called {name!r}{hint} (`farhand networks` lists them)", start
     )
 
 
-def _append(word: Word, words: list[Word], reader: Reader, start: int) -> None:
+def _append(word: Word, words: list[Word], reader: SpecReader, start: int) -> None:
     if any(other.kind == word.kind for other in words):
         reader.example = ""
         reader.fail(f"a second {word.kind}; one is possible", start)
     words.append(word)
 
 
-def _check_class(name: str, seen: list[str], reader: Reader, start: int) -> None:
+def _check_class(name: str, seen: list[str], reader: SpecReader, start: int) -> None:
     if name not in CLASSES:
         reader.fail(f"no class of messages is called {name!r}; there are {', '.join(CLASSES)}", start)
     if name in seen:
         reader.fail(f"the class {name!r} is there twice", start)
 
 
-def _check_separated(reader: Reader, closing: str) -> None:
+def _check_separated(reader: SpecReader, closing: str) -> None:
     """After an item comes white space, the closing bracket or the end."""
     position = reader.position
     reader.skip_space()
@@ -174,8 +174,9 @@ def _check_separated(reader: Reader, closing: str) -> None:
         reader.fail("expected a space or the end")
 
 
-def _place(word: Word) -> int:
-    return int(word.stage)
+def _place(word: Word) -> tuple[int, str]:
+    """By the chain's order; at one stage by kind, so that the order in the text does not matter."""
+    return int(word.stage), word.kind
 
 
 def _in_order(words: list[Word]) -> tuple[Word, ...]:
@@ -184,6 +185,3 @@ def _in_order(words: list[Word]) -> tuple[Word, ...]:
 
 def _spec(words: list[Word], classes: list[tuple[str, tuple[Word, ...] | None]]) -> Spec:
     return Spec(_in_order(words), tuple(sorted(classes, key=lambda pair: CLASSES.index(pair[0]))))
-
-
-__all__ = ["CLASSES", "KINDS", "NONE", "Spec", "parse_spec"]

@@ -13,20 +13,15 @@ do = "outage"
 length = 2.0           # s
 """
 
-import sys
 from pathlib import Path
 
 import msgspec
 
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import to_ns
+from farhand.common.toml import read_toml
 from farhand.netem.action import Action
 from farhand.netem.netem_node import NetemNode
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 MAX_TIME = 1e6
 
@@ -88,35 +83,22 @@ class Timeline:
 
 def load_timeline(path: str | Path) -> Timeline:
     """The timeline in a TOML file; raises InputError with the step and what is wrong with it."""
+    where = f"timeline {path}"
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise InputError(f"timeline {path}: cannot be read: {error}") from None
-    return parse_timeline(text, str(path))
-
-
-def parse_timeline(text: str, where: str) -> Timeline:
-    """The timeline in a TOML text; `where` names the source in errors."""
-    try:
-        file = msgspec.convert(tomllib.loads(text), _File)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"timeline {where}: not valid TOML: {error}") from None
+        file = msgspec.convert(read_toml(path, "timeline"), _File)
     except msgspec.ValidationError as error:
-        raise InputError(f"timeline {where}: {error}") from None
+        raise InputError(f"{where}: {error}") from None
     last = 0.0
     for number, step in enumerate(file.at, start=1):
         if not 0 <= step.time <= MAX_TIME:
-            raise InputError(
-                f"timeline {where}: step {number}: time {step.time} s lies outside 0 to {MAX_TIME:g}"
-            )
+            raise InputError(f"{where}: step {number}: time {step.time} s lies outside 0 to {MAX_TIME:g}")
         if step.time < last:
             raise InputError(
-                f"timeline {where}: step {number}: time {step.time} s comes before that of the step "
-                f"above it, {last} s"
+                f"{where}: step {number}: time {step.time} s comes before that of the step above it, {last} s"
             )
         last = step.time
         try:
             step.check()
         except InputError as error:
-            raise InputError(f"timeline {where}: step {number}: {error}") from None
+            raise InputError(f"{where}: step {number}: {error}") from None
     return Timeline(file.at)

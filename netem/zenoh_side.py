@@ -14,6 +14,7 @@ import zenoh
 from farhand.common.link.link import Inbox, Packet
 from farhand.common.messages.keys import PREFIX, kind_of
 from farhand.common.timing.clock import SystemClock
+from farhand.netem.envelope import MustArrive
 
 EVERYTHING = "**"
 INBOX_LIMIT = 100_000
@@ -72,12 +73,11 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Token:
+class Token(MustArrive):
     """Envelope of a liveliness token that came or went; must not be lost, or it would never be put right."""
 
     alive: bool
     number: int
-    reliable: bool = True
 
 
 class ZenohSide:

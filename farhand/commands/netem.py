@@ -1,4 +1,4 @@
-"""`farhand netem`: the emulator as a program, and its check. Live control: netem_live_commands.py."""
+"""`farhand netem`: the emulator as a program, and its check. Live control: netem_live.py."""
 
 import json
 from typing import Annotated
@@ -146,7 +146,7 @@ def check(
     from rich.console import Console
 
     from farhand.netem.check.check import CheckSettings, run_check
-    from farhand.netem.check.report import check_table
+    from farhand.netem.check.check_table import check_table
 
     found = run_check(
         CheckSettings(

@@ -6,6 +6,7 @@ import typer
 
 from farhand.common.errors import InputError
 from farhand.common.kinds import Kinds
+from farhand.common.toml import parse_toml
 from farhand.operator_side.control.registry import SOLVERS
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
@@ -134,24 +135,19 @@ def parse_setting(setting: str) -> tuple[str, object]:
 
 def parse_value(text: str) -> object:
     """A TOML value; what is not one is taken as a string."""
-    import sys
-
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
     try:
-        return tomllib.loads(f"v = {text}")["v"]
-    except tomllib.TOMLDecodeError:
+        return parse_toml(f"v = {text}", "--set")["v"]
+    except InputError:
         return text
 
 
 def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table.grid(padding=(0, 2))
     for name, line in rows:
-        table.add_row(f"[bold]{name}[/bold]", line)
+        table.add_row(f"[bold]{escape(name)}[/bold]", escape(line))
     Console().print(table)

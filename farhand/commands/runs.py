@@ -142,16 +142,9 @@ def scenarios() -> None:
 def networks() -> None:
     """What networks are built in, and how to write one."""
     from farhand.commands.options import print_rows
-    from farhand.netem.models.profiles import describe_profiles
+    from farhand.netem.impairments.registry import described
 
-    rows = [
-        ("none", "nothing is delayed"),
-        ("constant:200", "200 ms each way"),
-        ("uniform:50,200", "50 to 200 ms each way"),
-        ("gaussian:50,20", "mean 50 ms, standard deviation 20 ms, each way"),
-        ("trace:FILE", "replays a recorded delay trace"),
-    ]
-    print_rows([*rows, *describe_profiles()])
+    print_rows([("none", "nothing is delayed"), *described()])
 
 
 def register(app: typer.Typer) -> None:

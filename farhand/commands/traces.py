@@ -9,9 +9,9 @@ import typer
 from farhand.common.errors import InputError
 
 if TYPE_CHECKING:
-    from farhand.netem.models.model import DelayModel
     from farhand.netem.recordings.formats.base import Kind
-    from farhand.netem.recordings.trace import Gap, Trace
+    from farhand.netem.recordings.gaps import Gap
+    from farhand.netem.recordings.trace import Trace
 
 trace_app = typer.Typer(
     help="Recorded network delays: show, record, fit a model, convert.", no_args_is_help=True
@@ -19,7 +19,7 @@ trace_app = typer.Typer(
 
 FileArgument = Annotated[Path, typer.Argument(help="The trace.", metavar="FILE")]
 FormatOption = Annotated[
-    str, typer.Option("--format", help="csv, ping, irtt, cicv5g or slots; default: by the content.")
+    str, typer.Option("--format", help="Name of the format, such as ping [default: by the content].")
 ]
 UnitOption = Annotated[str, typer.Option("--unit", help="Unit of the delays: s, ms, us or ns.")]
 ColumnOption = Annotated[str, typer.Option("--column", help="The delay's column: its name, or 1, 2, ...")]
@@ -57,12 +57,9 @@ def show(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON (s) instead of tables.")] = False,
 ) -> None:
     """Percentiles, loss and autocorrelation of a trace, and a figure of it."""
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
-    from farhand.netem.recordings.statistics import autocorrelation, draw_trace
-    from farhand.netem.recordings.trace import QUANTILES
+    from farhand.commands.trace_tables import print_trace
+    from farhand.netem.recordings.autocorrelation import autocorrelation
+    from farhand.netem.recordings.delay_figure import draw_trace
 
     trace = _load(file, format, unit, column, period, kind, gap)
     summary = trace.summary()
@@ -73,27 +70,9 @@ def show(
         known = {str(lag): value for lag, value in correlation.items() if value == value}
         typer.echo(json.dumps({**summary, "autocorrelation": known}))
         return
-    console = Console()
-    span = "no times" if trace.duration is None else f"{trace.duration:.1f} s"
-    loss = 100 * cast(float, summary["loss"])
-    console.print(
-        escape(f"{file.name}: {trace.kind}, {trace.provenance or 'source unknown'}"), highlight=False
-    )
-    console.print(
-        f"{summary['samples']} samples, {span}, {summary['lost']} lost ({loss:.2f} %)", highlight=False
-    )
-    table = Table(title="delay, ms", title_justify="left")
-    for name in ("mean", "std", *QUANTILES):
-        table.add_column(name, justify="right")
-    table.add_row(*(_milliseconds(summary[name]) for name in ("mean", "std", *QUANTILES)))
-    console.print(table)
-    lags = Table(title="autocorrelation, by the distance in samples", title_justify="left")
-    for lag in correlation:
-        lags.add_column(str(lag), justify="right")
-    lags.add_row(*("-" if value != value else f"{value:.3f}" for value in correlation.values()))
-    console.print(lags)
+    print_trace(trace, file.name, summary, correlation)
     if figure:
-        console.print(f"figure: {figure}", highlight=False)
+        typer.echo(f"figure: {figure}")
 
 
 @trace_app.command("record")
@@ -115,6 +94,7 @@ def record_command(
     On the one host: `farhand trace record --listen tcp/0.0.0.0:7450`. On the other:
     `farhand trace record --connect tcp/FIRST:7450 --rate 50 --size 300 --seconds 20 --out path.csv`.
     """
+    from farhand.commands.trace_tables import in_ms
     from farhand.common.timing.clock import SystemClock
     from farhand.netem.main import stop_on_signals
     from farhand.netem.recordings.record import RecordSettings, Reflector, record
@@ -139,8 +119,8 @@ def record_command(
     write_trace(trace, out)
     summary = trace.summary()
     typer.echo(
-        f"{out}: {summary['samples']} sent, {summary['lost']} lost, RTT p50 {_milliseconds(summary['p50'])} "
-        f"p99 {_milliseconds(summary['p99'])} max {_milliseconds(summary['max'])} ms"
+        f"{out}: {summary['samples']} sent, {summary['lost']} lost, RTT p50 {in_ms(summary['p50'])} "
+        f"p99 {in_ms(summary['p99'])} max {in_ms(summary['max'])} ms"
     )
 
 
@@ -159,9 +139,7 @@ def fit(
     """Fit a seeded model (jitter, slow or held episodes, outages, loss) and compare it with the recording."""
     if seed < 0:
         raise InputError(f"--seed {seed}: must not be negative")
-    from rich.console import Console
-    from rich.table import Table
-
+    from farhand.commands.trace_tables import print_fit
     from farhand.common.seeds import stream
     from farhand.netem.models.fit import fit_model, model_quantiles, save_model
     from farhand.netem.recordings.trace import QUANTILES
@@ -175,18 +153,9 @@ def fit(
     )
     if out:
         save_model(model, out, f"fitted to {file.name}: {trace.provenance or 'source unknown'}")
-    console = Console()
-    table = Table(title="recorded and fitted delays, ms", title_justify="left")
-    table.add_column("")
-    for name in QUANTILES:
-        table.add_column(name, justify="right")
-    table.add_row("recorded", *(_milliseconds(wanted[name]) for name in QUANTILES))
-    table.add_row("fitted", *(_milliseconds(fitted[percent]) for percent in QUANTILES.values()))
-    console.print(table)
-    for line in _describe(model):
-        console.print(line, highlight=False)
+    print_fit(model, wanted, fitted)
     if out:
-        console.print(f"use it as: --network model:{out}", highlight=False)
+        typer.echo(f"use it as: --network model:{out}")
 
 
 @trace_app.command()
@@ -209,27 +178,3 @@ def convert(
     trace = _load(file, format, unit, column, period, kind, gap)
     write_trace(trace, target, to, unit=to_unit, period=slot / 1000 if slot else None)
     typer.echo(f"{target}: {len(trace.recorded)} samples read, written as {to}")
-
-
-def _milliseconds(value: float | int | str | None) -> str:
-    return f"{float(value) * 1e3:.4g}" if isinstance(value, float | int) else "-"
-
-
-def _describe(model: "DelayModel") -> list[str]:
-    lines = [f"floor {model.floor * 1e3:.4g} ms, {100 * model.loss:.2f} % single losses"]
-    if model.jitter is not None:
-        jitter = model.jitter
-        lines.append(f"jitter {type(jitter).__name__}: {json.dumps(_rounded(jitter))}")
-    for episodes in model.episodes:
-        span = f"{episodes.shortest * 1e3:.4g} to {episodes.longest * 1e3:.4g} ms"
-        when = "every" if episodes.periodic else "at random, on average every"
-        extra = ""
-        if episodes.kind == "slow":
-            extra = f", {episodes.least_extra * 1e3:.4g} to {episodes.most_extra * 1e3:.4g} ms slower"
-        lines.append(f"{episodes.kind}: {span}{extra}, {when} {episodes.interval:.4g} s")
-    return lines
-
-
-def _rounded(jitter: object) -> dict[str, float]:
-    fields = ("shape", "scale", "width", "correlation_time")
-    return {name: float(f"{getattr(jitter, name):.4g}") for name in fields if hasattr(jitter, name)}

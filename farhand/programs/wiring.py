@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from farhand.common.link.link import Link
 from farhand.common.seeds import stream
+from farhand.netem.emulation import Emulation
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.timeline import load_timeline
 from farhand.operator_side.control.controller import Controller
@@ -43,10 +44,8 @@ def make_operator(
 def make_netem(operator_link: Link, robot_link: Link, run: Run) -> NetemNode:
     """The run's emulated network between two links."""
     schedule = load_timeline(run.timeline) if run.timeline else None
-    network = run.network
-    return NetemNode(
-        operator_link, robot_link, network.uplink.spec, network.downlink.spec, run.seed, schedule=schedule
-    )
+    emulation = Emulation(run.network.uplink.spec, run.network.downlink.spec, run.seed)
+    return NetemNode(operator_link, robot_link, emulation, schedule=schedule)
 
 
 def make_robot_node(

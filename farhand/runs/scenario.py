@@ -5,7 +5,6 @@ The sections are typed by the sides that own them. SI units throughout (m, s, m/
 
 import os
 import re
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from farhand.common.kinds import Kinds
 from farhand.common.scenario.reader import name_key, non_finite_key, without_nulls
 from farhand.common.scenario.section import KindSection, checked_settings
 from farhand.common.scenario.task import Task
+from farhand.common.toml import parse_toml, read_toml
 from farhand.netem.settings import NetworkSettings
 from farhand.operator_side.control.registry import CONTROLLERS, SOLVERS
 from farhand.operator_side.margins.registry import MARGINS
@@ -32,11 +32,6 @@ from farhand.operator_side.settings import (
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.robot_side.robots.registry import ROBOTS
 from farhand.robot_side.settings import RobotSettings, SafetySettings
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 BUILT_IN = Path(__file__).resolve().parent.parent / "scenarios"
 
@@ -81,11 +76,7 @@ def load_scenario(name_or_path: str) -> Scenario:
     """A built-in scenario by name, or one from a TOML file; raises ScenarioError with one clear line."""
     path = Path(name_or_path)
     if path.suffix == ".toml" or os.path.isfile(path):  # Path.is_file raises for a name that is too long
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise ScenarioError(f"scenario {name_or_path}: cannot be read: {error}") from None
-        return parse_scenario(text, name_or_path)
+        return scenario_from_table(read_toml(name_or_path, "scenario", ScenarioError), name_or_path)
     built_in = BUILT_IN / f"{name_or_path}.toml"
     if name_or_path in built_in_names():
         return parse_scenario(built_in.read_text(encoding="utf-8"), f"{name_or_path}.toml")
@@ -100,11 +91,7 @@ def built_in_names() -> list[str]:
 
 def parse_scenario(text: str, where: str) -> Scenario:
     """A scenario from TOML text; `where` names the source in errors."""
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ScenarioError(f"scenario {where}: not valid TOML: {error}") from None
-    return scenario_from_table(table, where)
+    return scenario_from_table(parse_toml(text, f"scenario {where}", ScenarioError), where)
 
 
 def scenario_from_table(table: dict[str, Any], where: str) -> Scenario:

@@ -116,7 +116,7 @@ class _End:
         start_ns = clock.now_ns() + to_ns(phase)
         rest = bytes(max(0, settings.size - 8))
         for number in range(round(settings.rate_hz * settings.seconds)):
-            clock.sleep_until(start_ns + round(number * 1e9 / settings.rate_hz))
+            clock.sleep_until(start_ns + to_ns(number / settings.rate_hz))
             self.session.put(
                 self._send_key,
                 number.to_bytes(8, "little") + rest,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from farhand.common.link.link import Packet
+from farhand.common.timing.clock import NANOSECONDS_PER_SECOND
 from farhand.netem.chain import Chain
 from farhand.netem.spec import Spec
 
@@ -35,12 +36,13 @@ def judge(
     taken = int(np.sum(rows["copy"] == 0))
     lost = {str(c): int(n) for c, n in zip(*np.unique(rows["fate"], return_counts=True), strict=True)}
     lost.pop("delivered", None)
-    achieved, drawn = delivered["achieved_ns"] * 1e-9, delivered["drawn_ns"] * 1e-9
-    assigned = delivered["assigned_ns"] * 1e-9
+    achieved, drawn, assigned = (
+        _seconds(delivered, name) for name in ("achieved_ns", "drawn_ns", "assigned_ns")
+    )
     originals = np.sort(rows[rows["copy"] == 0], order="ordinal")
     replayed = _virtual(originals, spec, seed, direction, origin_ns)
     reference = _virtual(originals, spec, seed + 1, direction, origin_ns)
-    expected = reference["assigned_ns"][reference["fate"] == "delivered"] * 1e-9
+    expected = _seconds(reference[reference["fate"] == "delivered"], "assigned_ns")
     same = bool(
         len(replayed) == len(rows)
         and np.array_equal(_ordered(replayed)["fate"], _ordered(rows)["fate"])
@@ -68,6 +70,11 @@ def judge(
 
         test = ks_2samp(achieved, expected)
         found["ks"] = {"statistic": float(test.statistic), "p": float(test.pvalue), "n": len(achieved)}
+    return found
+
+
+def _seconds(rows: NDArray[np.void], name: str) -> NDArray[np.float64]:
+    found: NDArray[np.float64] = rows[name] / NANOSECONDS_PER_SECOND
     return found
 
 

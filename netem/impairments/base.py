@@ -1,7 +1,8 @@
 """The interface of every impairment: a word of the SPEC (its parameters) and what it does to a message.
 
-To add an impairment: one file with a `Word` (parse, text, build) and an `Impairment` (apply), and one
-line in registry.py. Rules that keep the same seed giving the same run:
+To add an impairment: one file with a `Word` (name, kind, stage; parse, text, build) and an `Impairment`
+(apply), and one line in registry.py; or, from a package of your own, an entry point of the group
+`farhand.impairments`. Rules that keep the same seed giving the same run:
 
 - A message's draws depend on the seed, the direction, its key and how many messages of that key came
   before it, never on the clock: an impairment that draws does so for every message, lost ones too.
@@ -9,9 +10,11 @@ line in registry.py. Rules that keep the same seed giving the same run:
   Memory that counts time (queues, outages, slots) belongs to the whole direction: scope LINK.
 """
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 import numpy as np
@@ -20,11 +23,14 @@ from farhand.common.link.link import Packet
 from farhand.common.seeds import stream
 
 if TYPE_CHECKING:
-    from farhand.netem.words.reader import Reader
+    from farhand.netem.words.reader import SpecReader
 
 
 class Stage(IntEnum):
-    """The stated order in which a message passes the impairments of a direction."""
+    """The stated order in which a message passes the impairments of a direction.
+
+    What stands at TCP (see Word.repairs) acts in place of OUTAGE and LOSS, and keeps the order after SLOT.
+    """
 
     OUTAGE = 0
     LOSS = 1
@@ -35,7 +41,6 @@ class Stage(IntEnum):
     DELAY = 6
     REORDER = 7
     SLOT = 8
-    TCP_ORDER = 9
 
 
 class Scope(Enum):
@@ -106,24 +111,63 @@ class Transit:
     stamps: object = None
 
 
-class Impairment(Protocol):
-    """What happens to messages, one after the other in order of arrival."""
+class Impairment(ABC):
+    """What happens to messages, one after the other in order of arrival.
 
+    Attributes:
+        below_zero: delays that it drew below zero and made zero.
+    """
+
+    below_zero: int = 0
+
+    @abstractmethod
     def apply(self, transit: Transit) -> None:
         """Decide: move `release_ns` later, or set `cause`, `copies`, `corrupted`. Never raises."""
-        ...
 
 
-class LossModel(Impairment, Protocol):
-    """An impairment that `tcp-like` can ask again, for a retransmission."""
+class LossModel(Impairment):
+    """An impairment that can be asked again for a retransmission; what stands at LOSS or OUTAGE should be one.
 
+    The losses of one that is none are for good, whatever repairs the others'.
+    """
+
+    @abstractmethod
     def loses(self, transit: Transit, instant_ns: int) -> bool:
         """Whether a transmission of the message at `instant_ns` is lost."""
-        ...
+
+    def apply(self, transit: Transit) -> None:
+        """Lose the message or not."""
+        if self.loses(transit, transit.arrived_ns):
+            transit.cause = transit.cause or "loss"
+
+
+class InOrder(Impairment):
+    """No message leaves before one that came earlier."""
+
+    def __init__(self) -> None:
+        self._last_ns = 0
+
+    def apply(self, transit: Transit) -> None:
+        """Wait for those before."""
+        if not transit.cause:
+            self._last_ns = transit.release_ns = max(self._last_ns, transit.release_ns)
+
+
+class Connection:
+    """What a word that repairs losses remembers for all messages that share it; outlives changes of the word.
+
+    Attributes:
+        sent_ns: when the newest successful transmission so far leaves; what is behind it waits until then.
+        order: keeps arrivals in order.
+    """
+
+    def __init__(self) -> None:
+        self.sent_ns = 0
+        self.order = InOrder()
 
 
 @dataclass(frozen=True, slots=True)
-class Context:
+class ImpairmentContext:
     """What an impairment is built with.
 
     Attributes:
@@ -159,19 +203,32 @@ class Word(msgspec.Struct, frozen=True):
     """Parameters of one impairment, as a word of the SPEC says them.
 
     Class attributes:
+        name: what it begins with in a SPEC.
+        example: a whole word, or two joined by "or", for errors and lists.
+        description: one line for lists.
         kind: what it acts on (delay, loss, rate, ...); a direction has one word of each kind.
         stage: its place in the chain.
         scope: whose memory it has.
+        repairs: whether what the chain loses is sent again; such a word has `around` in place of `build`.
     """
 
+    name: ClassVar[str]
+    example: ClassVar[str] = ""
+    description: ClassVar[str] = ""
     kind: ClassVar[str]
     stage: ClassVar[Stage]
     scope: ClassVar[Scope] = Scope.FLOW
+    repairs: ClassVar[bool] = False
 
     @classmethod
-    def parse(cls, reader: "Reader") -> "Word":
-        """Read the parameters that follow the word's name; raises SpecError."""
+    def parse(cls, reader: "SpecReader") -> "Word":
+        """Read the parameters that follow the word's name, which is `reader.word`; raises SpecError."""
         raise NotImplementedError
+
+    @classmethod
+    def describe(cls, name: str) -> tuple[str, str]:
+        """How to write the word that is registered under a name, and what it does: a row of a list."""
+        return cls.example.partition(" or ")[0] or name, cls.description
 
     def text(self) -> str:
         """The canonical words, which parse back to an equal Word."""
@@ -180,6 +237,10 @@ class Word(msgspec.Struct, frozen=True):
     def prepare(self) -> None:
         """Open what the word names, so that errors come before the start; raises InputError."""
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The impairment itself; raises InputError, e.g. for a file that cannot be read."""
+        raise NotImplementedError
+
+    def around(self, losses: Sequence[LossModel], connection: Connection) -> Impairment:
+        """For a word that repairs: what acts in one key's chain in place of its losses and outages."""
         raise NotImplementedError

@@ -1,11 +1,13 @@
 """`constant:MS`: every message is delayed by the same time (tc: `delay 200ms`)."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
-from farhand.netem.impairments.delay import DelayWord, Sampler
-from farhand.netem.words.reader import Reader, milliseconds_text
+from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.impairments.delay import DelayWord
+from farhand.netem.recordings.playback import DelaySampler
+from farhand.netem.words.reader import SpecReader, milliseconds_text
 
 
 class Constant(DelayWord, frozen=True):
@@ -16,11 +18,13 @@ class Constant(DelayWord, frozen=True):
     """
 
     delay_ns: int
+    name: ClassVar[str] = "constant"
+    example: ClassVar[str] = "constant:200"
+    description: ClassVar[str] = "every message is delayed by 200 ms"
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Constant":
+    def parse(cls, reader: SpecReader) -> "Constant":
         """`:MS`."""
-        reader.example = "constant:200"
         reader.expect(":", "the delay in ms")
         delay_ns = reader.duration_ns("the delay in ms")
         if reader.text.startswith(",", reader.position):
@@ -31,7 +35,7 @@ class Constant(DelayWord, frozen=True):
         """Canonical word."""
         return f"constant:{milliseconds_text(self.delay_ns)}"
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The constant."""
         return _ConstantSampler(to_seconds(self.delay_ns))
 

@@ -5,9 +5,9 @@ from typing import ClassVar
 import numpy as np
 
 from farhand.common.link.link import Packet
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word
 from farhand.netem.impairments.loss_random import RandomEvents
-from farhand.netem.words.reader import Reader, percent_text
+from farhand.netem.words.reader import SpecReader, percent_text
 
 
 class Corrupt(Word, frozen=True):
@@ -20,13 +20,15 @@ class Corrupt(Word, frozen=True):
 
     probability: float
     correlation: float = 0.0
+    name: ClassVar[str] = "corrupt"
+    example: ClassVar[str] = "corrupt:0.1%"
+    description: ClassVar[str] = "one bit of a message in a thousand is flipped"
     kind: ClassVar[str] = "corrupt"
     stage: ClassVar[Stage] = Stage.CORRUPT
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Corrupt":
+    def parse(cls, reader: SpecReader) -> "Corrupt":
         """`:P[,CORRELATION%]`."""
-        reader.example = "corrupt:0.1%"
         reader.expect(":", "the probability of a flipped bit")
         return cls(reader.probability("the probability of a flipped bit"), reader.optional_correlation())
 
@@ -35,13 +37,13 @@ class Corrupt(Word, frozen=True):
         tail = f",{percent_text(self.correlation)}" if self.correlation else ""
         return f"corrupt:{percent_text(self.probability)}{tail}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The bit flipper."""
         events = RandomEvents(context, "corrupt", self.probability, self.correlation)
         return _Corrupt(events, context.rng("corrupt-bit"))
 
 
-class _Corrupt:
+class _Corrupt(Impairment):
     def __init__(self, events: RandomEvents, rng: np.random.Generator) -> None:
         self._events = events
         self._random = rng.random

@@ -6,23 +6,16 @@ distribution that was asked for (tc-netem blends uniform numbers, which changes 
 """
 
 import math
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 
 from farhand.common.timing.clock import to_ns
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from farhand.netem.words.reader import Reader, milliseconds_text, percent_text
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word
+from farhand.netem.recordings.playback import DelaySampler
+from farhand.netem.words.reader import SpecReader, milliseconds_text, percent_text
 
 _SQRT_HALF = math.sqrt(0.5)
-
-
-class Sampler(Protocol):
-    """A source of one-way delays."""
-
-    def draw(self, now_ns: int) -> float | None:
-        """Delay (s) of the next message, which arrived at `now_ns`; None: it is lost."""
-        ...
 
 
 class DelayWord(Word, frozen=True):
@@ -31,23 +24,23 @@ class DelayWord(Word, frozen=True):
     kind: ClassVar[str] = "delay"
     stage: ClassVar[Stage] = Stage.DELAY
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The source of delays."""
         raise NotImplementedError
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The impairment that delays each message by a draw of `sampler`."""
         return Delay(self.sampler(context))
 
 
-class Delay:
+class Delay(Impairment):
     """Adds a drawn delay to every message.
 
     Args:
         sampler: where the delays come from.
     """
 
-    def __init__(self, sampler: Sampler) -> None:
+    def __init__(self, sampler: DelaySampler) -> None:
         self._sampler = sampler
         self.below_zero = 0
 
@@ -104,12 +97,10 @@ class MeanSdWord(DelayWord, frozen=True):
     mean_ns: int
     sd_ns: int
     correlation: float = 0.0
-    word: ClassVar[str]
 
     @classmethod
-    def parse(cls, reader: Reader) -> "MeanSdWord":
+    def parse(cls, reader: SpecReader) -> "MeanSdWord":
         """`:MEAN,SD[,CORRELATION%]`, ms."""
-        reader.example = f"{cls.word}:50,20"
         reader.expect(":", "the mean and the standard deviation in ms")
         mean_ns = reader.duration_ns("the mean delay in ms")
         reader.expect(",", "the standard deviation in ms")
@@ -123,4 +114,4 @@ class MeanSdWord(DelayWord, frozen=True):
     def text(self) -> str:
         """Canonical word."""
         tail = f",{percent_text(self.correlation)}" if self.correlation else ""
-        return f"{self.word}:{milliseconds_text(self.mean_ns)},{milliseconds_text(self.sd_ns)}{tail}"
+        return f"{self.name}:{milliseconds_text(self.mean_ns)},{milliseconds_text(self.sd_ns)}{tail}"

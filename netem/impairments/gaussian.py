@@ -7,16 +7,19 @@ mean by 0.04 ms.
 from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
-from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
+from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord
+from farhand.netem.recordings.playback import DelaySampler
 
 
 class Gaussian(MeanSdWord, frozen=True):
     """A normal delay."""
 
-    word: ClassVar[str] = "gaussian"
+    name: ClassVar[str] = "gaussian"
+    example: ClassVar[str] = "gaussian:50,20"
+    description: ClassVar[str] = "normal delays: mean 50 ms, standard deviation 20 ms"
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Normal delays."""
         return _GaussianSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
 

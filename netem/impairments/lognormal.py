@@ -7,18 +7,21 @@ import math
 from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
-from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler
-from farhand.netem.words.reader import MAX_DELAY_NS, Reader
+from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord
+from farhand.netem.recordings.playback import DelaySampler
+from farhand.netem.words.reader import MAX_DELAY_NS, SpecReader
 
 
 class LogNormal(MeanSdWord, frozen=True):
     """A log-normal delay."""
 
-    word: ClassVar[str] = "lognormal"
+    name: ClassVar[str] = "lognormal"
+    example: ClassVar[str] = "lognormal:50,20"
+    description: ClassVar[str] = "log-normal delays: mean 50 ms, standard deviation 20 ms"
 
     @classmethod
-    def parse(cls, reader: Reader) -> "LogNormal":
+    def parse(cls, reader: SpecReader) -> "LogNormal":
         """`:MEAN,SD[,CORRELATION%]`, ms, the mean above 0."""
         start = reader.position + 1
         found = super().parse(reader)
@@ -26,7 +29,7 @@ class LogNormal(MeanSdWord, frozen=True):
             reader.fail("the mean delay must be above 0", start)
         return cls(found.mean_ns, found.sd_ns, found.correlation)
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Log-normal delays."""
         return _LogNormalSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
 

@@ -3,24 +3,26 @@
 import math
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
-from farhand.netem.impairments.delay import Sampler
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, LossModel, Stage, Transit, Word
 from farhand.netem.impairments.loss_markov import MarkovLoss
 from farhand.netem.impairments.loss_random import RandomEvents, RandomLoss
-from farhand.netem.impairments.replay import Options, open_trace, options_text, parse_options
-from farhand.netem.words.reader import Reader, path_text, percent_text
+from farhand.netem.impairments.trace_file import Options, open_trace, options_text, parse_options
+from farhand.netem.recordings.playback import DelaySampler
+from farhand.netem.words.reader import SpecReader, path_text, percent_text
 
 
 class LossWord(Word, frozen=True):
     """Any of the loss models."""
 
+    name: ClassVar[str] = "loss"
+    example: ClassVar[str] = "loss:1% or loss:gilbert(1%,10%)"
+    description: ClassVar[str] = "messages are lost at random, or in bursts"
     kind: ClassVar[str] = "loss"
     stage: ClassVar[Stage] = Stage.LOSS
 
     @classmethod
-    def parse(cls, reader: Reader) -> "LossWord":
+    def parse(cls, reader: SpecReader) -> "LossWord":
         """`:P[,CORRELATION%]`, `:gilbert(...)`, `:state(...)` or `:trace(FILE...)`."""
-        reader.example = "loss:1% or loss:gilbert(1%,10%)"
         reader.expect(":", "the loss")
         for name, form in FORMS.items():
             if reader.take(f"{name}("):
@@ -30,7 +32,7 @@ class LossWord(Word, frozen=True):
         return Random.arguments(reader)
 
     @classmethod
-    def arguments(cls, reader: Reader) -> "LossWord":
+    def arguments(cls, reader: SpecReader) -> "LossWord":
         """Read the parameters of one form."""
         raise NotImplementedError
 
@@ -47,7 +49,7 @@ class Random(LossWord, frozen=True):
     correlation: float = 0.0
 
     @classmethod
-    def arguments(cls, reader: Reader) -> "Random":
+    def arguments(cls, reader: SpecReader) -> "Random":
         """`P[,CORRELATION%]`."""
         return cls(reader.probability("the probability of loss"), reader.optional_correlation())
 
@@ -56,7 +58,7 @@ class Random(LossWord, frozen=True):
         tail = f",{percent_text(self.correlation)}" if self.correlation else ""
         return f"loss:{percent_text(self.probability)}{tail}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """Random losses."""
         return RandomLoss(RandomEvents(context, "loss", self.probability, self.correlation))
 
@@ -79,7 +81,7 @@ class Gilbert(LossWord, frozen=True):
     good: float = 0.0
 
     @classmethod
-    def arguments(cls, reader: Reader) -> "Gilbert":
+    def arguments(cls, reader: SpecReader) -> "Gilbert":
         """`P,R[,1-H[,1-K]]`."""
         reader.example = "loss:gilbert(1%,10%)"
         p = reader.probability("p, from good to bad")
@@ -95,7 +97,7 @@ class Gilbert(LossWord, frozen=True):
         kept = 4 if self.good != 0.0 else 3 if self.bad != 1.0 else 2
         return f"loss:gilbert({','.join(map(percent_text, values[:kept]))})"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The two-state chain."""
         return MarkovLoss(context, [[1 - self.p, self.p], [self.r, 1 - self.r]], [self.good, self.bad])
 
@@ -116,7 +118,7 @@ class FourState(LossWord, frozen=True):
     p14: float = 0.0
 
     @classmethod
-    def arguments(cls, reader: Reader) -> "FourState":
+    def arguments(cls, reader: SpecReader) -> "FourState":
         """`P13[,P31[,P32[,P23[,P14]]]]`."""
         reader.example = "loss:state(1%,20%,10%,30%,0.5%)"
         p13 = reader.probability("p13, from received to a burst of losses")
@@ -135,7 +137,7 @@ class FourState(LossWord, frozen=True):
         values = [self.p13, self.p31, self.p32, self.p23, self.p14]
         return f"loss:state({','.join(map(percent_text, values))})"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The four-state chain."""
         p13, p31, p32, p23, p14 = self.p13, self.p31, self.p32, self.p23, self.p14
         transitions = [
@@ -159,7 +161,7 @@ class LossTrace(LossWord, frozen=True):
     options: Options = ()
 
     @classmethod
-    def arguments(cls, reader: Reader) -> "LossTrace":
+    def arguments(cls, reader: SpecReader) -> "LossTrace":
         """`FILE[,OPTION=VALUE...]`."""
         reader.example = "loss:trace(delays.csv)"
         return cls(reader.path("the trace's file"), parse_options(reader))
@@ -172,26 +174,22 @@ class LossTrace(LossWord, frozen=True):
         """Read the file; raises TraceError."""
         open_trace(self.path, self.options)
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The losses of the trace."""
         trace = open_trace(self.path, self.options)
-        sampler = trace.sampler(context.direction, context.rng("loss"))
+        sampler = trace.sampler(context.direction)
         if trace.duration is not None:
             sampler.draw(context.origin_ns)
         return _TraceLoss(sampler)
 
 
-class _TraceLoss:
-    def __init__(self, sampler: Sampler) -> None:
+class _TraceLoss(LossModel):
+    def __init__(self, sampler: DelaySampler) -> None:
         self._sampler = sampler
 
     def loses(self, transit: Transit, instant_ns: int) -> bool:
         delay = self._sampler.draw(instant_ns)
         return delay is None or math.isnan(delay)
-
-    def apply(self, transit: Transit) -> None:
-        if self.loses(transit, transit.arrived_ns):
-            transit.cause = transit.cause or "loss"
 
 
 FORMS: dict[str, type[LossWord]] = {

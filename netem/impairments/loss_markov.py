@@ -9,10 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.netem.impairments.base import Context, Transit
+from farhand.netem.impairments.base import ImpairmentContext, LossModel, Transit
 
 
-class MarkovLoss:
+class MarkovLoss(LossModel):
     """Losses from a Markov chain that steps once a message.
 
     Args:
@@ -22,7 +22,7 @@ class MarkovLoss:
     """
 
     def __init__(
-        self, context: Context, transitions: Sequence[Sequence[float]], losses: Sequence[float]
+        self, context: ImpairmentContext, transitions: Sequence[Sequence[float]], losses: Sequence[float]
     ) -> None:
         self._random = context.rng("loss").random
         self._cumulative = [np.cumsum(row).tolist() for row in transitions]
@@ -33,11 +33,6 @@ class MarkovLoss:
         """Step the chain and draw."""
         self._state = self._pick(self._cumulative[self._state])
         return float(self._random()) < self._losses[self._state]
-
-    def apply(self, transit: Transit) -> None:
-        """Lose the message or not."""
-        if self.loses(transit, transit.arrived_ns):
-            transit.cause = transit.cause or "loss"
 
     def _pick(self, cumulative: list[float]) -> int:
         drawn = float(self._random())

@@ -4,9 +4,7 @@ A message is lost when a (correlated) standard normal number exceeds the P quant
 exactly P whatever the correlation; tc-netem's blending changes the rate.
 """
 
-import math
-
-from farhand.netem.impairments.base import Context, Transit
+from farhand.netem.impairments.base import ImpairmentContext, LossModel, Transit
 from farhand.netem.impairments.delay import CorrelatedNormal, upper_tail
 
 
@@ -20,7 +18,7 @@ class RandomEvents:
         correlation: of the underlying normal numbers of neighbouring messages.
     """
 
-    def __init__(self, context: Context, name: str, probability: float, correlation: float) -> None:
+    def __init__(self, context: ImpairmentContext, name: str, probability: float, correlation: float) -> None:
         self._rng = context.rng(name)
         self._probability = probability
         self._normal = CorrelatedNormal(self._rng, correlation) if correlation else None
@@ -32,7 +30,7 @@ class RandomEvents:
         return upper_tail(self._normal.draw()) < self._probability
 
 
-class RandomLoss:
+class RandomLoss(LossModel):
     """Independent or correlated losses."""
 
     def __init__(self, events: RandomEvents) -> None:
@@ -41,13 +39,3 @@ class RandomLoss:
     def loses(self, transit: Transit, instant_ns: int) -> bool:
         """Draw once more."""
         return self._events.draw()
-
-    def apply(self, transit: Transit) -> None:
-        """Lose the message or not."""
-        if self._events.draw():
-            transit.cause = transit.cause or "loss"
-
-
-def mean_burst(probability: float) -> float:
-    """Mean number of losses in a row of independent losses."""
-    return math.inf if probability >= 1 else 1 / (1 - probability)

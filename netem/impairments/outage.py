@@ -10,8 +10,16 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from farhand.netem.words.reader import MAX_DURATION_NS, Reader, seconds_text
+from farhand.netem.impairments.base import (
+    Impairment,
+    ImpairmentContext,
+    LossModel,
+    Scope,
+    Stage,
+    Transit,
+    Word,
+)
+from farhand.netem.words.reader import MAX_DURATION_NS, SpecReader, seconds_text
 
 Form = Literal["every", "at", "random"]
 FORMS: tuple[Form, ...] = ("every", "at", "random")
@@ -30,14 +38,16 @@ class Outage(Word, frozen=True):
     form: Form
     times_ns: tuple[int, ...]
     hold: bool = False
+    name: ClassVar[str] = "outage"
+    example: ClassVar[str] = "outage:every(30s,2s) or outage:at(5s,2s,hold)"
+    description: ClassVar[str] = "times without a network"
     kind: ClassVar[str] = "outage"
     stage: ClassVar[Stage] = Stage.OUTAGE
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Outage":
+    def parse(cls, reader: SpecReader) -> "Outage":
         """`:FORM(TIME,TIME...[,hold|drop])`."""
-        reader.example = "outage:every(30s,2s) or outage:at(5s,2s,hold)"
         reader.expect(":", "every(...), at(...) or random(...)")
         for form in FORMS:
             if reader.take(f"{form}("):
@@ -65,7 +75,7 @@ class Outage(Word, frozen=True):
         tail = ",hold" if self.hold else ""
         return f"outage:{self.form}({','.join(map(seconds_text, self.times_ns))}{tail})"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The outages."""
         if self.form == "every":
             return OutageStage(_Every(self.times_ns[0], self.times_ns[1], context.origin_ns), self.hold)
@@ -76,7 +86,7 @@ class Outage(Word, frozen=True):
         return OutageStage(schedule, self.hold)
 
 
-def _check(form: Form, times_ns: list[int], reader: Reader, start: int) -> None:
+def _check(form: Form, times_ns: list[int], reader: SpecReader, start: int) -> None:
     if form != "at" and len(times_ns) != 2:
         what = "the period and the length" if form == "every" else "the mean time up and the mean time down"
         reader.fail(f"{form}(...) takes two times, {what}", start)
@@ -140,7 +150,7 @@ class _Random(Windows):
         return super().end_ns(instant_ns)
 
 
-class OutageStage:
+class OutageStage(LossModel):
     """Drops or holds what arrives in an outage.
 
     Args:

@@ -9,8 +9,9 @@ import math
 from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
-from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
+from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, upper_tail
+from farhand.netem.recordings.playback import DelaySampler
 
 SHAPE = 3.0
 _MEAN = SHAPE / (SHAPE - 1)
@@ -25,9 +26,11 @@ def standard_pareto(tail: float) -> float:
 class Pareto(MeanSdWord, frozen=True):
     """A Pareto delay."""
 
-    word: ClassVar[str] = "pareto"
+    name: ClassVar[str] = "pareto"
+    example: ClassVar[str] = "pareto:50,20"
+    description: ClassVar[str] = "heavy-tailed delays: mean 50 ms, standard deviation 20 ms"
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Pareto delays."""
         return _ParetoSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
 

@@ -8,9 +8,10 @@ import math
 from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
-from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Sampler, upper_tail
+from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, upper_tail
 from farhand.netem.impairments.pareto import standard_pareto
+from farhand.netem.recordings.playback import DelaySampler
 
 _SCALE = 1 / math.hypot(0.25, 0.75)
 NORMAL_PART, PARETO_PART = 0.25 * _SCALE, 0.75 * _SCALE
@@ -19,9 +20,13 @@ NORMAL_PART, PARETO_PART = 0.25 * _SCALE, 0.75 * _SCALE
 class ParetoNormal(MeanSdWord, frozen=True):
     """A delay between normal and Pareto."""
 
-    word: ClassVar[str] = "paretonormal"
+    name: ClassVar[str] = "paretonormal"
+    example: ClassVar[str] = "paretonormal:50,20"
+    description: ClassVar[str] = (
+        "a quarter normal, three quarters Pareto: mean 50 ms, standard deviation 20 ms"
+    )
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Delays of the sum."""
         rng = context.rng("delay")
         return _ParetoNormalSampler(

@@ -7,9 +7,9 @@ All messages of a direction share one queue, first in, first out: a camera can s
 
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Scope, Stage, Transit, Word
 from farhand.netem.impairments.rate_by_trace import RateByTrace
-from farhand.netem.words.reader import DEFAULT_QUEUE, Reader, number_text
+from farhand.netem.words.reader import DEFAULT_QUEUE, SpecReader, number_text
 
 
 class Rate(Word, frozen=True):
@@ -22,14 +22,16 @@ class Rate(Word, frozen=True):
 
     bits_per_second: int
     queue: int = DEFAULT_QUEUE
+    name: ClassVar[str] = "rate"
+    example: ClassVar[str] = "rate:2mbit or rate:2mbit,64kB"
+    description: ClassVar[str] = "bytes leave at this rate, from a queue of bounded size"
     kind: ClassVar[str] = "rate"
     stage: ClassVar[Stage] = Stage.RATE
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def parse(cls, reader: Reader) -> Word:
+    def parse(cls, reader: SpecReader) -> Word:
         """`:RATE[,QUEUE]` or `:trace(FILE[,QUEUE])`."""
-        reader.example = "rate:2mbit or rate:2mbit,64kB"
         reader.expect(":", "the rate")
         if reader.take("trace("):
             return RateByTrace.arguments(reader)
@@ -43,12 +45,12 @@ class Rate(Word, frozen=True):
         tail = "" if self.queue == DEFAULT_QUEUE else f",{self.queue}B"
         return f"rate:{number_text(self.bits_per_second // factor)}{unit}{tail}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The queue."""
         return _Rate(self.bits_per_second, self.queue)
 
 
-class _Rate:
+class _Rate(Impairment):
     def __init__(self, bits_per_second: int, queue: int) -> None:
         self._rate = bits_per_second
         self._queue = queue

@@ -7,9 +7,9 @@ from collections import deque
 from functools import lru_cache
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Scope, Stage, Transit, Word
 from farhand.netem.recordings.rate import DeliverySchedule, RateTrace, load_rate_trace
-from farhand.netem.words.reader import DEFAULT_QUEUE, Reader, path_text
+from farhand.netem.words.reader import DEFAULT_QUEUE, SpecReader, path_text
 
 
 class RateByTrace(Word, frozen=True):
@@ -22,12 +22,15 @@ class RateByTrace(Word, frozen=True):
 
     path: str
     queue: int = DEFAULT_QUEUE
+    name: ClassVar[str] = "rate"
+    example: ClassVar[str] = "rate:trace(verizon.up,64kB)"
+    description: ClassVar[str] = "a recorded rate"
     kind: ClassVar[str] = "rate"
     stage: ClassVar[Stage] = Stage.RATE
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def arguments(cls, reader: Reader) -> "RateByTrace":
+    def arguments(cls, reader: SpecReader) -> "RateByTrace":
         """`FILE[,QUEUE])`."""
         reader.example = "rate:trace(verizon.up,64kB)"
         path = reader.path("the packet-delivery trace's file")
@@ -44,12 +47,12 @@ class RateByTrace(Word, frozen=True):
         """Read the file; raises TraceError."""
         _load(self.path)
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The queue."""
         return _Deliveries(_load(self.path).schedule(), self.queue)
 
 
-class _Deliveries:
+class _Deliveries(Impairment):
     def __init__(self, schedule: DeliverySchedule, queue: int) -> None:
         self._schedule = schedule
         self._queue = queue

@@ -8,9 +8,9 @@ delayed except every N-th, which with probability P is sent at once.
 
 from typing import ClassVar, Literal
 
-from farhand.netem.impairments.base import Context, Impairment, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, InOrder, Stage, Transit, Word
 from farhand.netem.impairments.loss_random import RandomEvents
-from farhand.netem.words.reader import Reader, percent_text
+from farhand.netem.words.reader import SpecReader, percent_text
 
 Mode = Literal["drawn", "in-order", "gap"]
 
@@ -29,13 +29,15 @@ class Reorder(Word, frozen=True):
     gap: int = 1
     probability: float = 1.0
     correlation: float = 0.0
+    name: ClassVar[str] = "reorder"
+    example: ClassVar[str] = "reorder:in-order or reorder:gap(5,50%)"
+    description: ClassVar[str] = "what becomes of the order"
     kind: ClassVar[str] = "reorder"
     stage: ClassVar[Stage] = Stage.REORDER
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Reorder":
+    def parse(cls, reader: SpecReader) -> "Reorder":
         """`:drawn`, `:in-order` or `:gap(N[,P[,CORRELATION%]])`."""
-        reader.example = "reorder:in-order or reorder:gap(5,50%)"
         reader.expect(":", "drawn, in-order or gap(...)")
         if reader.take("drawn"):
             return cls("drawn")
@@ -59,7 +61,7 @@ class Reorder(Word, frozen=True):
             values.append(percent_text(self.correlation))
         return f"reorder:gap({','.join(values)})"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """What keeps or breaks the order."""
         if self.mode == "in-order":
             return InOrder()
@@ -68,24 +70,12 @@ class Reorder(Word, frozen=True):
         return _AsDrawn()
 
 
-class InOrder:
-    """No message leaves before one that came earlier."""
-
-    def __init__(self) -> None:
-        self._last_ns = 0
-
-    def apply(self, transit: Transit) -> None:
-        """Wait for those before."""
-        if not transit.cause:
-            self._last_ns = transit.release_ns = max(self._last_ns, transit.release_ns)
-
-
-class _AsDrawn:
+class _AsDrawn(Impairment):
     def apply(self, transit: Transit) -> None:
         pass
 
 
-class _Gap:
+class _Gap(Impairment):
     def __init__(self, gap: int, events: RandomEvents) -> None:
         self._gap = gap
         self._events = events

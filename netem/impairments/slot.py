@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from farhand.netem.impairments.base import Context, Impairment, Scope, Stage, Transit, Word
-from farhand.netem.words.reader import Reader, milliseconds_text
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Scope, Stage, Transit, Word
+from farhand.netem.words.reader import SpecReader, milliseconds_text
 
 _KEPT_NS = 10_000_000_000
 
@@ -25,14 +25,16 @@ class Slot(Word, frozen=True):
     shortest_ns: int
     longest_ns: int
     count: int = 0
+    name: ClassVar[str] = "slot"
+    example: ClassVar[str] = "slot:20 or slot:20,30,4"
+    description: ClassVar[str] = "messages leave only at instants 20 ms apart"
     kind: ClassVar[str] = "slot"
     stage: ClassVar[Stage] = Stage.SLOT
     scope: ClassVar[Scope] = Scope.LINK
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Slot":
+    def parse(cls, reader: SpecReader) -> "Slot":
         """`:MIN[,MAX[,COUNT]]`, ms."""
-        reader.example = "slot:20 or slot:20,30,4"
         start = reader.position + 1
         reader.expect(":", "the slots' spacing in ms")
         shortest_ns = reader.duration_ns("the slots' spacing in ms")
@@ -55,12 +57,12 @@ class Slot(Word, frozen=True):
             words.append(str(self.count))
         return f"slot:{','.join(words)}"
 
-    def build(self, context: Context) -> Impairment:
+    def build(self, context: ImpairmentContext) -> Impairment:
         """The slots."""
         return _Slots(self, context.rng("slot"), context.origin_ns)
 
 
-class _Slots:
+class _Slots(Impairment):
     def __init__(self, word: Slot, rng: np.random.Generator, origin_ns: int) -> None:
         self._word = word
         self._rng = rng

@@ -9,9 +9,8 @@ so that an outage ends in one burst. tc-netem has it by delaying real TCP packet
 from collections.abc import Sequence
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context, Impairment, LossModel, Stage, Transit, Word
-from farhand.netem.impairments.reorder import InOrder
-from farhand.netem.words.reader import Reader, milliseconds_text
+from farhand.netem.impairments.base import Connection, Impairment, LossModel, Stage, Transit, Word
+from farhand.netem.words.reader import SpecReader, milliseconds_text
 
 DEFAULT_TIMEOUT_NS = 200_000_000
 MAX_RETRANSMISSIONS = 15
@@ -26,13 +25,16 @@ class TcpLike(Word, frozen=True):
     """
 
     timeout_ns: int = DEFAULT_TIMEOUT_NS
+    name: ClassVar[str] = "tcp-like"
+    example: ClassVar[str] = "tcp-like or tcp-like:200"
+    description: ClassVar[str] = "what is lost comes back after a retransmission time, in order"
     kind: ClassVar[str] = "tcp-like"
     stage: ClassVar[Stage] = Stage.TCP
+    repairs: ClassVar[bool] = True
 
     @classmethod
-    def parse(cls, reader: Reader) -> "TcpLike":
+    def parse(cls, reader: SpecReader) -> "TcpLike":
         """`[:TIMEOUT]`, ms."""
-        reader.example = "tcp-like or tcp-like:200"
         if not reader.take(":"):
             return cls()
         start = reader.position
@@ -46,29 +48,12 @@ class TcpLike(Word, frozen=True):
         tail = "" if self.timeout_ns == DEFAULT_TIMEOUT_NS else f":{milliseconds_text(self.timeout_ns)}"
         return f"tcp-like{tail}"
 
-    def build(self, context: Context) -> Impairment:
-        """Without losses to repair there is nothing to send again."""
-        return self.around((), Connection())
-
-    def around(self, losses: Sequence[LossModel], connection: "Connection") -> Impairment:
-        """What repairs the given losses."""
+    def around(self, losses: Sequence[LossModel], connection: Connection) -> Impairment:
+        """What sends again what the losses lose."""
         return _Retransmission(self.timeout_ns, losses, connection)
 
 
-class Connection:
-    """The one connection of a direction.
-
-    Attributes:
-        sent_ns: when the newest successful transmission so far leaves; what is behind it waits until then.
-        order: keeps arrivals in order.
-    """
-
-    def __init__(self) -> None:
-        self.sent_ns = 0
-        self.order = InOrder()
-
-
-class _Retransmission:
+class _Retransmission(Impairment):
     def __init__(self, timeout_ns: int, losses: Sequence[LossModel], connection: Connection) -> None:
         self._timeout_ns = timeout_ns
         self._losses = losses

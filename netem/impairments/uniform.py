@@ -1,9 +1,12 @@
 """`uniform:LOW,HIGH[,CORRELATION%]`: delays uniform between two bounds (tc: `delay 125ms 75ms`)."""
 
+from typing import ClassVar
+
 from farhand.common.timing.clock import to_seconds
-from farhand.netem.impairments.base import Context
-from farhand.netem.impairments.delay import CorrelatedNormal, DelayWord, Sampler, upper_tail
-from farhand.netem.words.reader import Reader, milliseconds_text, percent_text
+from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.impairments.delay import CorrelatedNormal, DelayWord, upper_tail
+from farhand.netem.recordings.playback import DelaySampler
+from farhand.netem.words.reader import SpecReader, milliseconds_text, percent_text
 
 
 class Uniform(DelayWord, frozen=True):
@@ -17,11 +20,13 @@ class Uniform(DelayWord, frozen=True):
     low_ns: int
     high_ns: int
     correlation: float = 0.0
+    name: ClassVar[str] = "uniform"
+    example: ClassVar[str] = "uniform:50,200"
+    description: ClassVar[str] = "delays evenly between 50 and 200 ms"
 
     @classmethod
-    def parse(cls, reader: Reader) -> "Uniform":
+    def parse(cls, reader: SpecReader) -> "Uniform":
         """`:LOW,HIGH[,CORRELATION%]`, ms."""
-        reader.example = "uniform:50,200"
         reader.expect(":", "the smallest and the largest delay in ms")
         low_ns = reader.duration_ns("the smallest delay in ms")
         reader.expect(",", "the largest delay in ms")
@@ -40,7 +45,7 @@ class Uniform(DelayWord, frozen=True):
         tail = f",{percent_text(self.correlation)}" if self.correlation else ""
         return f"uniform:{milliseconds_text(self.low_ns)},{milliseconds_text(self.high_ns)}{tail}"
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Uniform delays."""
         return _UniformSampler(self, CorrelatedNormal(context.rng("delay"), self.correlation))
 

@@ -7,7 +7,7 @@ from rich.table import Table
 from farhand.netem.result import Delays, NetemResult
 
 
-def milliseconds(seconds: float) -> str:
+def fine_milliseconds(seconds: float) -> str:
     """A duration in ms with three digits behind the point."""
     return f"{seconds * 1000:.3f}"
 
@@ -37,7 +37,7 @@ def statistics_table(statistics: NetemResult) -> Table:
         row(f"{name}, p50 / p99 (ms)", *map(_quantiles, delays))
     row(
         "error, p50 / p99 / max (ms)",
-        *(f"{_quantiles(d.error)} / {milliseconds(d.error.max)}" for d in both),
+        *(f"{_quantiles(d.error)} / {fine_milliseconds(d.error.max)}" for d in both),
     )
     if statistics.rtt.count:
         table.add_section()
@@ -50,11 +50,11 @@ def statistics_table(statistics: NetemResult) -> Table:
 
 
 def _mean(delays: Delays) -> str:
-    return f"{milliseconds(delays.mean)} ± {milliseconds(delays.std)}"
+    return f"{fine_milliseconds(delays.mean)} ± {fine_milliseconds(delays.std)}"
 
 
 def _quantiles(delays: Delays) -> str:
-    return f"{milliseconds(delays.p50)} / {milliseconds(delays.p99)}"
+    return f"{fine_milliseconds(delays.p50)} / {fine_milliseconds(delays.p99)}"
 
 
 def print_statistics(statistics: NetemResult, console: Console) -> None:

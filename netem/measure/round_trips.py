@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import msgspec
 
 from farhand.common.messages.base import Echo
-from farhand.netem.measure.statistics import Histogram
+from farhand.netem.measure.histogram import Histogram
 
 KEPT = 4096
 MAX_ROBOTS = 256

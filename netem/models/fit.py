@@ -1,4 +1,4 @@
-"""Fit of the delay model (trace_model.py) to a recording.
+"""Fit of the delay model (model.py) to a recording.
 
 1. Samples above a threshold beyond the reach of the usual jitter form episodes; so do runs of lost messages.
 2. Where most episodes' delays fall as fast as time passes they held their messages, which then arrived
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import gammainccinv, gammaincinv
 
 from farhand.common.errors import TraceError
+from farhand.common.timing.clock import to_ns
 from farhand.netem.models.model import DelayModel, EpisodeKind, Episodes, Jitter, log_uniform_mean
 from farhand.netem.models.sampler import ModelSampler
 from farhand.netem.recordings.trace import Trace
@@ -102,7 +103,7 @@ def model_quantiles(
         make_rng: the stream of each direction.
         step: time between messages (s).
     """
-    step_ns, count = max(1, round(step * 1e9)), 100_000
+    step_ns, count = max(1, to_ns(step)), 100_000
     total = np.zeros(count)
     for direction in ("uplink", "downlink") if model.path == "round-trip" else ("uplink",):
         sampler = ModelSampler(model, make_rng(direction), direction)

@@ -9,7 +9,7 @@ jitter = Q(Phi(z(t))), Q the quantile function of a gamma (or uniform) distribut
 Ornstein-Uhlenbeck process: corr(z(t), z(t + d)) = exp(-d / correlation_time).
 
 Episodes follow the clock and their own random stream, whatever messages come; jitter and loss take one
-draw for each message (trace_model_sampler.py).
+draw for each message (sampler.py).
 
 A model of round trips is split in halves. A sum of gamma variables of one scale is gamma with the sum of
 their shapes, so each direction takes half of the floor, half of the shape, and every second episode

@@ -1,14 +1,13 @@
 """Named networks: seeded models, each of which says what it was fitted to.
 
 "Round trip" models describe the sum of both directions, of which each carries half; how, and what that
-holds, is said in trace_model.py. Only three quantiles are known of some recordings (median, 99 %, maximum);
+holds, is said in model.py. Only three quantiles are known of some recordings (median, 99 %, maximum);
 there the jitter has the form measured on 5g-urban, scaled with the median, and the interval between
 stalls is the one that puts the 99 % quantile where it was measured. Where the maximum is far beyond that
 quantile (oran, wifi-moving), short stalls are taken to make up three quarters of the slowest hundredth,
 and outages of seconds the rest.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,14 +15,9 @@ import msgspec
 import numpy as np
 
 from farhand.common.errors import TraceError
+from farhand.common.toml import read_toml
 from farhand.netem.models.model import DelayModel, Episodes, Jitter, UniformJitter
 from farhand.netem.models.sampler import ModelSampler
-from farhand.netem.recordings.trace import read_text
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 
 @dataclass(frozen=True)
@@ -201,11 +195,6 @@ _ALL = (
 PROFILES: dict[str, Profile] = {profile.name: profile for profile in _ALL}
 
 
-def describe_profiles() -> list[tuple[str, str]]:
-    """Name and one line of each built-in profile."""
-    return [(profile.name, profile.description) for profile in _ALL]
-
-
 class _ModelFile(msgspec.Struct, forbid_unknown_fields=True):
     model: DelayModel
     description: str = ""
@@ -213,10 +202,8 @@ class _ModelFile(msgspec.Struct, forbid_unknown_fields=True):
 
 def load_model(path: str | Path) -> Profile:
     """Read a model that `farhand trace fit --out` wrote; raises TraceError that names the key."""
-    text = read_text(path)
     try:
-        content = tomllib.loads("\n".join(text.lines))
-        found = msgspec.convert(content, _ModelFile)
-    except (tomllib.TOMLDecodeError, msgspec.ValidationError, RecursionError) as error:
+        found = msgspec.convert(read_toml(path, "model", TraceError), _ModelFile)
+    except (msgspec.ValidationError, RecursionError) as error:
         raise TraceError(f"model {path}: {' '.join(str(error).split())}") from None
     return Profile(f"model:{path}", found.description, found.model)

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import gammainccinv, gammaincinv, ndtr
 
+from farhand.common.seeds import derived
 from farhand.common.timing.clock import NANOSECONDS_PER_SECOND, to_ns
 from farhand.netem.models.model import DelayModel, Episodes, Jitter, UniformJitter
 
@@ -35,7 +36,7 @@ class ModelSampler:
     ) -> None:
         halves = 2 if model.path == "round-trip" else 1
         if schedule is None and model.episodes:
-            schedule = np.random.Generator(np.random.PCG64(int(rng.integers(1 << 62))))
+            schedule = derived(rng)
         self._floor = model.floor / halves
         self._normal = rng.standard_normal
         self._random = rng.random
@@ -58,8 +59,8 @@ class ModelSampler:
         self._episodes: list[_Schedule] = []
         if schedule is not None:
             for episodes in model.episodes:
-                own = np.random.Generator(np.random.PCG64(int(schedule.integers(1 << 62))))
-                self._episodes.append(_Schedule(episodes, own, halves, direction == "downlink"))
+                is_downlink = direction == "downlink"
+                self._episodes.append(_Schedule(episodes, derived(schedule), halves, is_downlink))
         self._origin_ns = origin_ns
 
     def draw(self, now_ns: int) -> float | None:

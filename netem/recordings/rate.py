@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from farhand.netem.recordings.formats.base import MAX_SAMPLES
-from farhand.netem.recordings.trace import read_text
+from farhand.netem.recordings.text_file import read_text
 
 OPPORTUNITY = 1500
 _NANOSECONDS_PER_MS = 1_000_000
@@ -24,10 +24,6 @@ class RateTrace:
     """
 
     times_ns: tuple[int, ...]
-
-    def mean_rate(self) -> float:
-        """Mean rate over the whole trace (bit/s)."""
-        return len(self.times_ns) * OPPORTUNITY * 8 * 1e9 / self.times_ns[-1]
 
     def schedule(self) -> "DeliverySchedule":
         """A fresh queue over these opportunities."""

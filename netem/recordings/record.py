@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from farhand.common.errors import InputError, TraceError
 from farhand.common.link.zenoh_link import open_session
-from farhand.common.timing.clock import SystemClock, to_ns
+from farhand.common.timing.clock import NANOSECONDS_PER_SECOND, SystemClock, to_ns
 from farhand.netem.recordings.formats.base import MAX_SAMPLES
 from farhand.netem.recordings.trace import Trace
 
@@ -169,8 +169,10 @@ def record(
         session.close()  # type: ignore[no-untyped-call]
     if total == 0 or arrivals.count == 0:
         raise TraceError("trace record: not a single echo came back; is the reflector still running?")
-    delays = np.where(received[:total] > 0, (received[:total] - sent[:total]) * 1e-9, np.nan)
-    times = (sent[:total] - sent[0]) * 1e-9
+    delays = np.where(
+        received[:total] > 0, (received[:total] - sent[:total]) / NANOSECONDS_PER_SECOND, np.nan
+    )
+    times = (sent[:total] - sent[0]) / NANOSECONDS_PER_SECOND
     where = ", ".join((*settings.connect, *settings.listen))
     provenance = (
         f"farhand trace record, echo over Zenoh through {where}: "

@@ -6,26 +6,27 @@ directions: nobody can tell which way the message was lost.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from farhand.common.errors import TraceError
 from farhand.common.timing.clock import to_ns
-from farhand.netem.recordings.formats import READERS
-from farhand.netem.recordings.formats.base import MAX_SAMPLES, UNITS, Kind, ReadOptions, Samples, TraceText
-from farhand.netem.recordings.replay import AtEnd, DelaySampler, TimedReplay, UntimedReplay
-
-Gap = Literal["loss", "delay", "ignore"]
-
-MAX_BYTES = 256_000_000
-PAUSE = 30.0
-"""A silence longer than this (s) is taken for a pause of the recording, and cut out."""
-GAP_FACTOR = 1.75
-"""Messages are missing where the next comes later than this many median intervals; less is a late sender."""
+from farhand.netem.recordings.formats.base import (
+    KINDS,
+    MAX_SAMPLES,
+    UNITS,
+    Kind,
+    TraceOptions,
+    TraceSamples,
+    TraceText,
+)
+from farhand.netem.recordings.formats.registry import format_called, format_of
+from farhand.netem.recordings.gaps import GAPS, Gap, without_gaps
+from farhand.netem.recordings.playback import AT_ENDS, AtEnd, DelaySampler, TimedReplay, UntimedReplay
+from farhand.netem.recordings.text_file import read_text
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +79,8 @@ class Trace:
             return self.period or 1.0
         return max(float(np.median(np.diff(self.times))), 1e-6)
 
-    def sampler(self, direction: str, rng: np.random.Generator | None = None) -> DelaySampler:
-        """A replay for one direction ("uplink" or "downlink").
-
-        `rng` is taken as all samplers take one; a replay draws nothing from it.
-        """
+    def sampler(self, direction: str) -> DelaySampler:
+        """A replay for one direction ("uplink" or "downlink"); nothing is drawn."""
         delays = self.delays_of(direction).tolist()
         if self.duration is None:
             return UntimedReplay(delays, self.at_end)
@@ -93,6 +91,14 @@ class Trace:
         return TimedReplay(
             starts, delays, max(to_ns(self.duration), starts[-1] + 1), self.at_end, self.gap == "delay"
         )
+
+    def replayed(self, at_end: AtEnd = "wrap", uplink_share: float = 0.5) -> "Trace":
+        """The same recording, to be replayed in another way; raises TraceError."""
+        if at_end not in AT_ENDS:
+            raise TraceError(f"trace: at_end {at_end!r} is unknown; one of {', '.join(AT_ENDS)}")
+        if not 0.0 <= uplink_share <= 1.0:
+            raise TraceError(f"trace: the uplink's share is {uplink_share}; it must lie in 0 to 1")
+        return replace(self, at_end=at_end, uplink_share=uplink_share)
 
     def summary(self) -> dict[str, float | int | str | None]:
         """Statistics as recorded: samples, lost, loss (fraction), mean, std, min, p50 to p99.9, max (s)."""
@@ -125,114 +131,51 @@ def load_trace(
     period: float | None = None,
     kind: Kind | None = None,
     gap: Gap = "loss",
-    at_end: AtEnd = "wrap",
-    uplink_share: float = 0.5,
 ) -> Trace:
     """Read a trace of delays.
 
     Args:
         path: the file.
-        format: csv, ping, irtt, cicv5g or slots; None looks at the content.
+        format: name of a format (formats/registry.py); None looks at the content.
         unit: of the delays (s, ms, us, ns), where the file does not say it or says it wrong.
         column: the delay's column by name, or by number from 1.
         period: of evenly spaced samples, and of slots (s).
         kind: "one-way" or "round-trip", where the file and its format do not say it.
         gap: what a lost message means; see Trace.
-        at_end: what comes after the last sample; see Trace.
-        uplink_share: part of a round trip that the uplink carries, 0 to 1.
 
     Raises:
         TraceError: one line that names the file, the line's number and what is wrong with it.
     """
     name = str(path)
-    for word, value, allowed in (
-        ("format", format, (None, *READERS)),
-        ("unit", unit, (None, *UNITS)),
-        ("kind", kind, (None, "one-way", "round-trip")),
-        ("gap", gap, ("loss", "delay", "ignore")),
-        ("at_end", at_end, ("wrap", "stop", "hold")),
-    ):
-        if value not in allowed:
-            known = ", ".join(str(choice) for choice in allowed if choice)
-            raise TraceError(f"trace {name}: {word} {value!r} is unknown; one of {known}")
-    if not 0.0 <= uplink_share <= 1.0:
-        raise TraceError(f"trace {name}: the uplink's share is {uplink_share}; it must lie in 0 to 1")
+    for word, value, allowed in (("unit", unit, UNITS), ("kind", kind, KINDS), ("gap", gap, GAPS)):
+        if value is not None and value not in allowed:
+            raise TraceError(f"trace {name}: {word} {value!r} is unknown; one of {', '.join(allowed)}")
     if period is not None and not (math.isfinite(period) and period > 0):
         raise TraceError(f"trace {name}: the period is {period} s; it must be positive")
     text = read_text(path)
-    format = format or detect_format(text)
-    samples = READERS[format][1](text, ReadOptions(unit, column, period, kind))
-    if not samples.delays:
+    chosen = format_called(format, f"trace {name}") if format else format_of(text)
+    samples = chosen.read(text, TraceOptions(unit, column, period, kind))
+    recorded = _checked(samples, text)
+    times = None
+    if samples.times is not None:
+        recorded, times = without_gaps(samples, recorded, gap, text)
+    elif gap == "delay" and samples.period is None and np.isnan(recorded).any():
+        text.fail("holding lost messages (gap=delay) needs the times or the period of the samples")
+    return Trace(recorded, times, samples.period, samples.kind, samples.provenance, gap)
+
+
+def _checked(samples: TraceSamples, text: TraceText) -> NDArray[np.float64]:
+    """The delays that a format gave, as an array; raises TraceError where they are no trace."""
+    count = len(samples.delays)
+    if not count:
         text.fail("no samples")
-    if len(samples.delays) > MAX_SAMPLES:
-        text.fail(f"{len(samples.delays)} samples; at most {MAX_SAMPLES} can be read")
+    if count > MAX_SAMPLES:
+        text.fail(f"{count} samples; at most {MAX_SAMPLES} can be read")
     recorded = np.array(samples.delays, dtype=np.float64)
     if np.isnan(recorded).all():
         text.fail("every message is lost; a trace needs at least one delay")
-    times = None
-    if samples.times is not None:
-        recorded, times = _without_gaps(samples, recorded, gap, text)
-    elif gap == "delay" and samples.period is None and np.isnan(recorded).any():
-        text.fail("holding lost messages (gap=delay) needs the times or the period of the samples")
-    return Trace(recorded, times, samples.period, samples.kind, samples.provenance, gap, at_end, uplink_share)
-
-
-def read_text(path: str | Path) -> TraceText:
-    """The lines of a text file; raises TraceError if it cannot be read, is empty or is no text."""
-    name = str(path)
-    try:
-        with open(path, "rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise TraceError(f"trace {name}: cannot be read: {reason}") from None
-    if len(content) > MAX_BYTES:
-        raise TraceError(f"trace {name}: larger than {MAX_BYTES // 1_000_000} MB")
-    try:
-        decoded = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise TraceError(f"trace {name}, line {line}: not text (UTF-8)") from None
-    text = TraceText(name, decoded.replace("\r\n", "\n").replace("\r", "\n").split("\n"))
-    if "\0" in decoded:
-        text.fail("not text: a zero byte", decoded.count("\n", 0, decoded.index("\0")) + 1)
-    if not decoded.strip():
-        text.fail("the file is empty")
-    return text
-
-
-def detect_format(text: TraceText) -> str:
-    """Name of the first format that the text looks like; raises TraceError if there is none."""
-    for name, (matches, _) in READERS.items():
-        if matches(text):
-            return name
-    line = next(index for index, content in enumerate(text.lines, start=1) if content.strip())
-    text.fail(f"unknown format, {text.excerpt(line)}; one of {', '.join(READERS)}", line)
-
-
-def _without_gaps(
-    samples: Samples, recorded: NDArray[np.float64], gap: Gap, text: TraceText
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Delays and times with missing rows filled in as lost, and with pauses of the recording cut out."""
-    times = np.array(samples.times, dtype=np.float64)
-    times -= times[0]
-    if len(times) < 3:
-        return recorded, times
-    intervals = np.diff(times)
-    step = float(np.median(intervals))
-    if step <= 0:
-        return recorded, times
-    longest = max(PAUSE, 10 * step)
-    paused = intervals > longest
-    intervals = np.where(paused, step, intervals)
-    times = np.concatenate([[0.0], np.cumsum(intervals)])
-    missed = np.floor(intervals / step + 2 - GAP_FACTOR).astype(np.int64) - 1
-    missing = np.where(intervals > GAP_FACTOR * step, missed, 0)
-    if gap == "ignore" or not missing.any():
-        return recorded, times
-    if len(recorded) + missing.sum() > MAX_SAMPLES:
-        text.fail(f"{int(missing.sum())} messages are missing between the times; read it with gap=ignore")
-    at = np.repeat(np.arange(len(missing)), missing)
-    rank = np.concatenate([np.arange(1, count + 1) for count in missing[missing > 0]])
-    filled_times = times[at] + rank * intervals[at] / (missing[at] + 1)
-    return np.insert(recorded, at + 1, np.nan), np.insert(times, at + 1, filled_times)
+    if np.isinf(recorded).any() or np.nanmin(recorded) < 0:
+        text.fail("its format gave a delay that is negative or infinite")
+    if samples.times is not None and len(samples.times) != count:
+        text.fail(f"its format gave {len(samples.times)} times for {count} delays")
+    return recorded

@@ -7,6 +7,7 @@ model's correlation is lost.
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,13 +15,15 @@ from scipy.special import gammaincinv, ndtri
 
 from farhand.common.errors import SpecError
 from farhand.common.geometry import Array
+from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.netem.impairments.delay import MeanSdWord
+from farhand.netem.impairments.delay_by_trace import Empirical
 from farhand.netem.impairments.gaussian import Gaussian
 from farhand.netem.impairments.lognormal import LogNormal
+from farhand.netem.impairments.modelled import ModelWord, ProfileWord
 from farhand.netem.impairments.pareto import Pareto, standard_pareto
 from farhand.netem.impairments.paretonormal import NORMAL_PART, PARETO_PART, ParetoNormal
-from farhand.netem.impairments.profile import ModelWord, ProfileWord
-from farhand.netem.impairments.replay import Empirical, open_trace
+from farhand.netem.impairments.trace_file import open_trace
 from farhand.netem.models.model import DelayModel, Jitter, UniformJitter
 from farhand.netem.models.profiles import PROFILES, load_model
 
@@ -52,9 +55,9 @@ def table_of(delays: Array) -> Table:
     low, high = float(delays.min()), float(delays.max())
     mean, half = (low + high) / 2, (high - low) / 2
     if half == 0.0:
-        return Table(round(mean * 1e9), 0, ())
+        return Table(to_ns(mean), 0, ())
     entries = np.rint((delays - mean) / half * _LARGEST).astype(int)
-    return Table(round(mean * 1e9), round(half * 1e9 * _SCALE / _LARGEST), tuple(entries.tolist()))
+    return Table(to_ns(mean), to_ns(half * _SCALE / _LARGEST), tuple(entries.tolist()))
 
 
 def probabilities() -> Array:
@@ -63,25 +66,47 @@ def probabilities() -> Array:
 
 
 def mean_sd_table(word: MeanSdWord) -> Table:
-    """The quantiles of a delay with a mean and a standard deviation."""
-    mean, sd = word.mean_ns * 1e-9, word.sd_ns * 1e-9
-    if sd == 0.0:
+    """The quantiles of a delay with a mean and a standard deviation; raises SpecError where it has no table."""
+    if word.sd_ns == 0:
         return Table(word.mean_ns, 0, ())
-    if isinstance(word, LogNormal):
-        spread = math.log1p((sd / mean) ** 2)
-        return table_of(mean * np.exp(math.sqrt(spread) * ndtri(probabilities()) - spread / 2))
-    if isinstance(
-        word, Gaussian
-    ):  # within four deviations, so that `tc` shows mean and deviation as they are
-        entries = np.rint(_SCALE * ndtri(probabilities())).astype(int)
-        return Table(word.mean_ns, word.sd_ns, tuple(entries.tolist()))
-    pareto = np.array([standard_pareto(1 - p) for p in probabilities()])
-    if isinstance(word, Pareto):
-        return table_of(mean + sd * pareto)
-    if isinstance(word, ParetoNormal):
-        sums = NORMAL_PART * ndtri(probabilities()[::8])[:, None] + PARETO_PART * pareto[None, :]
-        return table_of(mean + sd * np.quantile(sums, probabilities()))
-    raise SpecError(f"--backend tc: {word.text()}: has no table; use --backend message")
+    made = _MEAN_SD.get(type(word))
+    if made is None:
+        raise SpecError(f"--backend tc: {word.text()}: has no table; use --backend message")
+    return made(word)
+
+
+def _gaussian(word: MeanSdWord) -> Table:
+    """Within four deviations, so that `tc` shows mean and deviation as they are."""
+    entries = np.rint(_SCALE * ndtri(probabilities())).astype(int)
+    return Table(word.mean_ns, word.sd_ns, tuple(entries.tolist()))
+
+
+def _lognormal(word: MeanSdWord) -> Table:
+    spread = math.log1p((word.sd_ns / word.mean_ns) ** 2)
+    quantiles = np.exp(math.sqrt(spread) * ndtri(probabilities()) - spread / 2)
+    return table_of(to_seconds(word.mean_ns) * quantiles)
+
+
+def _pareto(word: MeanSdWord) -> Table:
+    return table_of(to_seconds(word.mean_ns) + to_seconds(word.sd_ns) * _pareto_quantiles())
+
+
+def _paretonormal(word: MeanSdWord) -> Table:
+    normal, pareto = ndtri(probabilities()[::8])[:, None], _pareto_quantiles()[None, :]
+    sums = NORMAL_PART * normal + PARETO_PART * pareto
+    return table_of(to_seconds(word.mean_ns) + to_seconds(word.sd_ns) * np.quantile(sums, probabilities()))
+
+
+def _pareto_quantiles() -> Array:
+    return np.array([standard_pareto(1 - p) for p in probabilities()])
+
+
+_MEAN_SD: dict[type[MeanSdWord], Callable[[MeanSdWord], Table]] = {
+    Gaussian: _gaussian,
+    LogNormal: _lognormal,
+    Pareto: _pareto,
+    ParetoNormal: _paretonormal,
+}
 
 
 def empirical_table(word: Empirical, direction: str) -> Table:
@@ -92,7 +117,7 @@ def empirical_table(word: Empirical, direction: str) -> Table:
 
 def model_of(word: ProfileWord | ModelWord) -> DelayModel:
     """The model that a word names; raises TraceError, or SpecError where it has episodes."""
-    model = PROFILES[word.name].model if isinstance(word, ProfileWord) else load_model(word.path).model
+    model = PROFILES[word.profile].model if isinstance(word, ProfileWord) else load_model(word.path).model
     if model.episodes:
         raise SpecError(
             f"--backend tc: {word.text()} has stalls or outages, which tc-netem cannot make; use --backend message"

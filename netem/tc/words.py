@@ -12,19 +12,24 @@ Nor does a pfifo below netem keep packets in order, as tc-netem(8) says: since L
 time first. A rate does, since a packet then waits for the one before it; IN_ORDER is one that delays none.
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from farhand.common.errors import SpecError
 from farhand.netem.impairments.base import Word
 from farhand.netem.impairments.constant import Constant
 from farhand.netem.impairments.corrupt import Corrupt
 from farhand.netem.impairments.delay import MeanSdWord
+from farhand.netem.impairments.delay_by_trace import Empirical
 from farhand.netem.impairments.duplicate import Duplicate
+from farhand.netem.impairments.gaussian import Gaussian
+from farhand.netem.impairments.lognormal import LogNormal
 from farhand.netem.impairments.loss import FourState, Gilbert, Random
-from farhand.netem.impairments.profile import ModelWord, ProfileWord
+from farhand.netem.impairments.modelled import ModelWord, ProfileWord
+from farhand.netem.impairments.pareto import Pareto
+from farhand.netem.impairments.paretonormal import ParetoNormal
 from farhand.netem.impairments.rate import Rate
 from farhand.netem.impairments.reorder import Reorder
-from farhand.netem.impairments.replay import Empirical
 from farhand.netem.impairments.slot import Slot
 from farhand.netem.impairments.uniform import Uniform
 from farhand.netem.spec import Spec
@@ -43,7 +48,7 @@ class KernelNetwork(NamedTuple):
 
     Attributes:
         arguments: what follows `netem`.
-        table: the distribution whose file's name stands in `arguments` as TABLE.
+        table: the distribution whose file's name stands in `arguments` as TABLE, if it has entries.
     """
 
     arguments: tuple[str, ...] = ()
@@ -60,69 +65,141 @@ def kernel_network(spec: Spec, direction: str) -> KernelNetwork:
         raise _refusal(f"{spec.classes[0][0]}[...]", "tells no kinds of messages apart")
     arguments: list[str] = []
     table: Table | None = None
-    in_order = False
     for word in spec.words:
-        if getattr(word, "correlation", 0.0):
-            raise _refusal(word.text(), "correlates nothing, and changes rates where it is told to")
-        if isinstance(word, Reorder) and word.mode != "gap":
-            in_order = word.mode == "in-order"
-        elif isinstance(word, ProfileWord | ModelWord):
-            model = model_of(word)
-            table = model_table(model)
-            arguments += _table_arguments(table)
-            loss = 1 - (1 - model.loss) ** 0.5 if model.path == "round-trip" else model.loss
-            if loss and spec.word("loss") is not None:
-                raise _refusal(word.text(), "has one loss model, and this one has losses of its own")
-            if loss:
-                leave = 1 - loss if model.loss_burst is None else 1 / model.loss_burst
-                arguments += ["loss", "gemodel", *map(_percent, (leave * loss / (1 - loss), leave))]
-        elif isinstance(word, MeanSdWord | Empirical):
-            table = mean_sd_table(word) if isinstance(word, MeanSdWord) else empirical_table(word, direction)
-            arguments += _table_arguments(table)
-        else:
-            arguments += _word_arguments(word)
-    if spec.word("reorder") is not None and "reorder" in arguments and spec.word("delay") is None:
-        raise _refusal("reorder:gap(...)", "sends some packets at once, which wants a delay for the others")
-    if in_order and "delay" in arguments and "rate" not in arguments:
+        found = _ARGUMENTS.get(type(word), _refuse)(word, direction)
+        arguments += found.arguments
+        table = found.table or table
+    _check_together(spec, arguments)
+    if _is_in_order(spec) and "delay" in arguments and "rate" not in arguments:
         arguments += IN_ORDER
     if not arguments:
         return KernelNetwork()
     return KernelNetwork(("limit", str(LIMIT), *arguments), table if table and table.entries else None)
 
 
-def _word_arguments(word: Word) -> list[str]:
-    if isinstance(word, Constant):
-        return ["delay", _time(word.delay_ns)]
-    if isinstance(word, Uniform):
-        # Without a distribution the kernel draws evenly from mean - jitter to mean + jitter.
-        middle, half = (word.low_ns + word.high_ns) // 2, (word.high_ns - word.low_ns) // 2
-        return ["delay", _time(middle), *([_time(half)] if half else [])]
-    if isinstance(word, Random):
-        return ["loss", "random", _percent(word.probability)]
-    if isinstance(word, Gilbert):
-        return ["loss", "gemodel", *map(_percent, (word.p, word.r, word.bad, word.good))]
-    if isinstance(word, FourState):
-        return ["loss", "state", *map(_percent, (word.p13, word.p31, word.p32, word.p23, word.p14))]
-    if isinstance(word, Duplicate | Corrupt):
-        return [word.kind, _percent(word.probability)]
-    if isinstance(word, Rate):
-        if word.queue != DEFAULT_QUEUE:
-            raise _refusal(word.text(), "counts its queue in packets, not in bytes")
-        if word.bits_per_second < 8:
-            raise _refusal(word.text(), "counts whole bytes a second")
-        return ["rate", f"{word.bits_per_second}bit"]
-    if isinstance(word, Reorder):
-        return ["reorder", _percent(word.probability), "gap", str(word.gap)]
-    if isinstance(word, Slot):
-        count = ["packets", str(word.count)] if word.count else []
-        return ["slot", _time(word.shortest_ns), _time(word.longest_ns), *count]
+def _check_together(spec: Spec, arguments: list[str]) -> None:
+    """Raise SpecError for words that tc-netem can make each, but not together."""
+    if arguments.count("loss") > 1:
+        delay = spec.word("delay")
+        assert delay is not None
+        raise _refusal(delay.text(), "has one loss model, and this one has losses of its own")
+    if "reorder" in arguments and spec.word("delay") is None:
+        raise _refusal("reorder:gap(...)", "sends some packets at once, which wants a delay for the others")
+
+
+def _is_in_order(spec: Spec) -> bool:
+    word = spec.word("reorder")
+    return isinstance(word, Reorder) and word.mode == "in-order"
+
+
+def _refuse(word: Word, direction: str) -> KernelNetwork:
     raise _refusal(word.text(), "has nothing like it")
 
 
-def _table_arguments(table: Table) -> list[str]:
+def _constant(word: Constant, direction: str) -> KernelNetwork:
+    return KernelNetwork(("delay", _time(word.delay_ns)))
+
+
+def _uniform(word: Uniform, direction: str) -> KernelNetwork:
+    """Without a distribution the kernel draws evenly from mean - jitter to mean + jitter."""
+    _refuse_correlation(word, word.correlation)
+    middle, half = (word.low_ns + word.high_ns) // 2, (word.high_ns - word.low_ns) // 2
+    return KernelNetwork(("delay", _time(middle), *([_time(half)] if half else [])))
+
+
+def _mean_sd(word: MeanSdWord, direction: str) -> KernelNetwork:
+    _refuse_correlation(word, word.correlation)
+    return _distribution(mean_sd_table(word))
+
+
+def _empirical(word: Empirical, direction: str) -> KernelNetwork:
+    return _distribution(empirical_table(word, direction))
+
+
+def _model(word: ProfileWord | ModelWord, direction: str) -> KernelNetwork:
+    model = model_of(word)
+    delays = _distribution(model_table(model))
+    loss = 1 - (1 - model.loss) ** 0.5 if model.path == "round-trip" else model.loss
+    if not loss:
+        return delays
+    leave = 1 - loss if model.loss_burst is None else 1 / model.loss_burst
+    losses = ("loss", "gemodel", percent_text(leave * loss / (1 - loss)), percent_text(leave))
+    return KernelNetwork((*delays.arguments, *losses), delays.table)
+
+
+def _random(word: Random, direction: str) -> KernelNetwork:
+    _refuse_correlation(word, word.correlation)
+    return KernelNetwork(("loss", "random", percent_text(word.probability)))
+
+
+def _gilbert(word: Gilbert, direction: str) -> KernelNetwork:
+    return KernelNetwork(("loss", "gemodel", *map(percent_text, (word.p, word.r, word.bad, word.good))))
+
+
+def _four_state(word: FourState, direction: str) -> KernelNetwork:
+    values = (word.p13, word.p31, word.p32, word.p23, word.p14)
+    return KernelNetwork(("loss", "state", *map(percent_text, values)))
+
+
+def _event(word: Duplicate | Corrupt, direction: str) -> KernelNetwork:
+    _refuse_correlation(word, word.correlation)
+    return KernelNetwork((word.kind, percent_text(word.probability)))
+
+
+def _rate(word: Rate, direction: str) -> KernelNetwork:
+    if word.queue != DEFAULT_QUEUE:
+        raise _refusal(word.text(), "counts its queue in packets, not in bytes")
+    if word.bits_per_second < 8:
+        raise _refusal(word.text(), "counts whole bytes a second")
+    return KernelNetwork(("rate", f"{word.bits_per_second}bit"))
+
+
+def _reorder(word: Reorder, direction: str) -> KernelNetwork:
+    """What is as drawn needs no words, and what is in order a rate (see `kernel_network`)."""
+    if word.mode != "gap":
+        return KernelNetwork()
+    _refuse_correlation(word, word.correlation)
+    return KernelNetwork(("reorder", percent_text(word.probability), "gap", str(word.gap)))
+
+
+def _slot(word: Slot, direction: str) -> KernelNetwork:
+    count = ("packets", str(word.count)) if word.count else ()
+    return KernelNetwork(("slot", _time(word.shortest_ns), _time(word.longest_ns), *count))
+
+
+_ARGUMENTS: dict[type[Word], Callable[[Any, str], KernelNetwork]] = {
+    Constant: _constant,
+    Uniform: _uniform,
+    Gaussian: _mean_sd,
+    Pareto: _mean_sd,
+    ParetoNormal: _mean_sd,
+    LogNormal: _mean_sd,
+    Empirical: _empirical,
+    ProfileWord: _model,
+    ModelWord: _model,
+    Random: _random,
+    Gilbert: _gilbert,
+    FourState: _four_state,
+    Duplicate: _event,
+    Corrupt: _event,
+    Rate: _rate,
+    Reorder: _reorder,
+    Slot: _slot,
+}
+"""By the very type: a word that somebody derived from one of these may do something else, and is refused."""
+
+
+def _refuse_correlation(word: Word, correlation: float) -> None:
+    if correlation:
+        raise _refusal(word.text(), "correlates nothing, and changes rates where it is told to")
+
+
+def _distribution(table: Table) -> KernelNetwork:
     if not table.jitter_ns:
-        return ["delay", _time(table.mean_ns)]
-    return ["delay", _time(table.mean_ns), _time(table.jitter_ns), "distribution", TABLE]
+        return KernelNetwork(("delay", _time(table.mean_ns)), table)
+    return KernelNetwork(
+        ("delay", _time(table.mean_ns), _time(table.jitter_ns), "distribution", TABLE), table
+    )
 
 
 def _refusal(word: str, why: str) -> SpecError:
@@ -133,7 +210,3 @@ def _time(duration_ns: int) -> str:
     if duration_ns > LONGEST_NS:
         raise _refusal(f"{milliseconds_text(duration_ns)} ms", f"waits at most {LONGEST_NS // 10**9} s")
     return f"{milliseconds_text(duration_ns)}ms"
-
-
-def _percent(probability: float) -> str:
-    return percent_text(probability)

@@ -4,6 +4,7 @@ import re
 from typing import NoReturn
 
 from farhand.common.errors import SpecError
+from farhand.common.timing.clock import to_seconds
 
 MAX_DELAY_NS = 3_600_000_000_000
 MAX_DURATION_NS = 1000 * 3_600_000_000_000
@@ -21,16 +22,22 @@ _RATES = {"bit": 1.0, "kbit": 1e3, "mbit": 1e6, "gbit": 1e9}
 _SIZES = {"b": 1.0, "kb": 1e3, "mb": 1e6}
 
 
-class Reader:
+class SpecReader:
     """A cursor over the text of one SPEC.
 
     Args:
         text: the whole SPEC.
+
+    Attributes:
+        position: of the next character.
+        word: name of the word whose parameters are being read.
+        example: what would be right, for errors.
     """
 
     def __init__(self, text: str) -> None:
         self.text = text
         self.position = 0
+        self.word = ""
         self.example = ""
 
     def fail(self, problem: str, position: int | None = None) -> NoReturn:
@@ -174,7 +181,7 @@ class Reader:
 
 
 def path_text(path: str) -> str:
-    """A file name as `Reader.path` reads it."""
+    """A file name as `SpecReader.path` reads it."""
     plain = not any(character.isspace() or character in ',")][' for character in path)
     return path if plain else f'"{path}"'
 
@@ -193,7 +200,7 @@ def seconds_text(duration_ns: int) -> str:
     """A duration in s with its unit, or in ms where that is shorter."""
     if duration_ns % 1_000_000_000 and duration_ns < 1_000_000_000:
         return milliseconds_text(duration_ns) + "ms"
-    return number_text(round(duration_ns / 1e9, 9)) + "s"
+    return number_text(round(to_seconds(duration_ns), 9)) + "s"
 
 
 def percent_text(probability: float) -> str:

@@ -73,7 +73,7 @@ def test_what_is_built_in_is_listed(capsys):
     assert run(["networks"]) == 0
     listed = capsys.readouterr().out
     assert all(
-        name in listed for name in ("none", "constant:200", "trace:FILE", "5g-urban", "lund-stockholm")
+        name in listed for name in ("none", "constant:200", "trace:delays.csv", "5g-urban", "lund-stockholm")
     )
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from farhand.common.errors import TraceError
 from farhand.common.link.link import Packet
-from farhand.netem.chain import MAX_FLOWS, build_chain
+from farhand.netem.chain import MAX_FLOWS, Chain
 from farhand.netem.spec import parse_spec
 
 MS = 1_000_000
@@ -14,7 +14,7 @@ COMMAND = "farhand/r/command"
 
 
 def run(text, times_ms, *, key=COMMAND, size=100, seed=1):
-    chain = build_chain(parse_spec(text), seed, "uplink")
+    chain = Chain(parse_spec(text), seed, "uplink")
     return [offer(chain, t, key, size) for t in times_ms]
 
 
@@ -38,17 +38,17 @@ def test_rate_drops_what_does_not_fit_the_queue():
 
 
 def test_camera_starves_what_it_shares_a_link_with():
-    chain = build_chain(parse_spec("rate:1mbit"), 1, "downlink")
+    chain = Chain(parse_spec("rate:1mbit"), 1, "downlink")
     offer(chain, 0, "farhand/r/camera/front", 100_000)
     state = offer(chain, 1, "farhand/r/state", 100)[0]
     assert state.release_ns > 800 * MS
-    chain = build_chain(parse_spec("rate:1mbit camera[rate:1mbit]"), 1, "downlink")
+    chain = Chain(parse_spec("rate:1mbit camera[rate:1mbit]"), 1, "downlink")
     offer(chain, 0, "farhand/r/camera/front", 100_000)
     assert offer(chain, 1, "farhand/r/state", 100)[0].release_ns < 3 * MS
 
 
 def test_class_none_passes_unimpaired():
-    chain = build_chain(parse_spec("constant:200 loss:100% camera[none]"), 1, "uplink")
+    chain = Chain(parse_spec("constant:200 loss:100% camera[none]"), 1, "uplink")
     assert offer(chain, 0)[0].cause == "loss"
     assert released_ms([offer(chain, 7, "farhand/r/camera/a")]) == [7]
 
@@ -135,7 +135,7 @@ def test_corrupt_flips_exactly_one_bit():
 
 def fates(text, keys, seed=1):
     """(cause, delay) by key and ordinal, whatever the interleaving."""
-    chain = build_chain(parse_spec(text), seed, "uplink")
+    chain = Chain(parse_spec(text), seed, "uplink")
     found = {}
     for n, key in enumerate(keys):
         transit = offer(chain, n * 3.7, key)[0]
@@ -156,8 +156,8 @@ def test_draws_do_not_depend_on_timing_or_on_other_keys():
 
 
 def test_live_change_keeps_the_state_of_what_stays():
-    untouched = build_chain(parse_spec("gaussian:50,20 loss:1%"), 1, "uplink")
-    changed = build_chain(parse_spec("gaussian:50,20"), 1, "uplink")
+    untouched = Chain(parse_spec("gaussian:50,20 loss:1%"), 1, "uplink")
+    changed = Chain(parse_spec("gaussian:50,20"), 1, "uplink")
     for n in range(100):
         offer(untouched, n), offer(changed, n)
     changed.update(parse_spec("gaussian:50,20 loss:1%"))
@@ -167,7 +167,7 @@ def test_live_change_keeps_the_state_of_what_stays():
 
 
 def test_changing_back_draws_afresh():
-    chain = build_chain(parse_spec("gaussian:50,20"), 1, "uplink")
+    chain = Chain(parse_spec("gaussian:50,20"), 1, "uplink")
     first = [offer(chain, n)[0].delay_ns for n in range(20)]
     chain.update(parse_spec("constant:1"))
     chain.update(parse_spec("gaussian:50,20"))
@@ -175,7 +175,7 @@ def test_changing_back_draws_afresh():
 
 
 def test_an_outage_now():
-    chain = build_chain(parse_spec("constant:1"), 1, "uplink")
+    chain = Chain(parse_spec("constant:1"), 1, "uplink")
     offer(chain, 0)
     chain.outage(10 * MS + 1, 5 * MS, hold=False)
     assert released_ms([offer(chain, t) for t in (10, 14.9, 15)]) == [None, None, 16]
@@ -184,7 +184,7 @@ def test_an_outage_now():
 
 
 def test_a_flood_of_keys_does_not_grow_the_memory():
-    chain = build_chain(parse_spec("gaussian:50,20"), 1, "uplink")
+    chain = Chain(parse_spec("gaussian:50,20"), 1, "uplink")
     for n in range(3 * MAX_FLOWS):
         offer(chain, n, f"farhand/x{n}/command")
     assert len(chain._flows) <= MAX_FLOWS + 1
@@ -192,7 +192,7 @@ def test_a_flood_of_keys_does_not_grow_the_memory():
 
 def test_a_missing_file_is_an_input_error():
     with pytest.raises(TraceError, match=r"nowhere\.csv"):
-        build_chain(parse_spec("trace:/nowhere.csv"), 1, "uplink")
+        Chain(parse_spec("trace:/nowhere.csv"), 1, "uplink")
 
 
 def test_rate_by_a_packet_delivery_trace(tmp_path):
@@ -205,7 +205,7 @@ def test_rate_by_a_packet_delivery_trace(tmp_path):
 
 def test_stalls_of_a_profile_come_to_all_keys_at_once():
     """`outages` loses everything for 2 s of every 10 s."""
-    chain = build_chain(parse_spec("outages"), 1, "downlink")
+    chain = Chain(parse_spec("outages"), 1, "downlink")
     keys = ("farhand/r/state", "farhand/r/scene", "farhand/q/state")
     lost = {key: [] for key in keys}
     for time_ms in range(0, 30_000, 10):

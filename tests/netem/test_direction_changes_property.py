@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from farhand.common.errors import InputError
 from farhand.common.link.link import Packet, memory_wire
 from farhand.netem.action import Action
+from farhand.netem.emulation import Emulation
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
 
@@ -33,7 +34,7 @@ def run(steps):
     robot, robot_end = memory_wire()
     common = parse_spec("gaussian:20,10 loss:5%")
     own = {"b": {"uplink": parse_spec("constant:30")}}
-    node = NetemNode(operator_end, robot_end, common, common, 7, robot_networks=own)
+    node = NetemNode(operator_end, robot_end, Emulation(common, common, 7, own))
     due, arrived = list(steps), []
     for tick in range(1, 400):
         now_ns = tick * 5 * MS

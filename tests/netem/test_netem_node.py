@@ -12,10 +12,12 @@ from farhand.common.messages.codec import encode
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.action import Action
 from farhand.netem.control import handle
+from farhand.netem.emulation import Emulation
+from farhand.netem.envelope import MustArrive
 from farhand.netem.netem_node import ConservationError, NetemNode
 from farhand.netem.release_queue import Limits
 from farhand.netem.spec import parse_spec
-from farhand.netem.timeline import load_timeline, parse_timeline
+from farhand.netem.timeline import load_timeline
 from farhand.testing import command, state
 
 MS = 1_000_000
@@ -25,12 +27,12 @@ SECOND = 1_000_000_000
 class Rig:
     """An emulator between two ends, in virtual time."""
 
-    def __init__(self, uplink, downlink=None, **kwargs):
+    def __init__(self, uplink, downlink=None, limits=Limits(), **kwargs):  # noqa: B008
         self.executor = VirtualExecutor(1000)
         self.operator, near = self.executor.wire()
         far, self.robot = self.executor.wire()
         specs = parse_spec(uplink), parse_spec(downlink or uplink)
-        self.node = NetemNode(near, far, *specs, seed=1, **kwargs)
+        self.node = NetemNode(near, far, Emulation(*specs, 1, limits=limits), **kwargs)
         self.executor.add(self.node, Priority.NETEM)
         self.executor.wake_on_message(self.node, near)
         self.executor.wake_on_message(self.node, far)
@@ -129,13 +131,9 @@ def test_an_echo_of_what_was_not_let_through_is_a_bypass():
     assert rig.run(100)["bypassed"] == 2
 
 
-class Reliable(msgspec.Struct):
-    reliable: bool = True
-
-
 def test_what_must_arrive_is_sent_again():
     rig = Rig("outage:at(0s,1s)")
-    rig.send(0, "operator", "token", b"", Reliable())
+    rig.send(0, "operator", "token", b"", MustArrive())
     found = rig.run(5000)
     assert received(rig.robot) == [(1000, b"")]
     assert found["uplink"]["retransmitted"] == 5
@@ -204,9 +202,11 @@ def test_timeline_runs_in_virtual_time(tmp_path):
         ("at = 3", "array"),
     ],
 )
-def test_a_bad_timeline_is_one_line(text, words):
+def test_a_bad_timeline_is_one_line(tmp_path, text, words):
+    path = tmp_path / "x.toml"
+    path.write_text(text)
     with pytest.raises(InputError) as found:
-        parse_timeline(text, "x.toml")
+        load_timeline(path)
     assert words in str(found.value)
     assert "\n" not in str(found.value)
 

@@ -17,6 +17,7 @@ from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.executor import RealtimeExecutor
 from farhand.netem.check.check import CheckSettings, run_check, start_proxy, stop_proxy
 from farhand.netem.control import ask
+from farhand.netem.emulation import Emulation
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.proxy import Proxy
 from farhand.netem.spec import parse_spec
@@ -37,7 +38,7 @@ class Rig:
         self.executor = None
         self.proxy = Proxy(*self.endpoints, clock, self.wake, on_bypass=self.notices.put)
         links = self.proxy.operator_link, self.proxy.robot_link
-        self.node = NetemNode(*links, parse_spec(spec), parse_spec(spec), 1, instant=clock.now_ns)
+        self.node = NetemNode(*links, Emulation(parse_spec(spec), parse_spec(spec), 1), instant=clock.now_ns)
         self.executor = RealtimeExecutor(self.node, clock, message_driven=True, realtime=False)
         self.thread = threading.Thread(target=self.executor.run)
         self.thread.start()

@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from farhand.common.link.link import Packet, memory_wire
+from farhand.netem.emulation import Emulation
 from farhand.netem.impairments.base import Flow, Transit
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.release_queue import Limits, ReleaseQueue
@@ -67,7 +68,7 @@ def drive(spec, messages, limits):
     operator, near = memory_wire()
     far, robot = memory_wire()
     log = Record()
-    node = NetemNode(near, far, parse_spec(spec), parse_spec(spec), 3, limits=limits, log=log)
+    node = NetemNode(near, far, Emulation(parse_spec(spec), parse_spec(spec), 3, limits=limits), log=log)
     now = MS
     for pause, up, key, size in messages:
         now += pause * MS

@@ -13,12 +13,13 @@ from farhand.common.errors import InputError
 from farhand.common.link.link import Packet, memory_wire
 from farhand.netem.action import Action
 from farhand.netem.control import handle
+from farhand.netem.emulation import Emulation
 from farhand.netem.measure.report import print_statistics
 from farhand.netem.measure.round_trips import MAX_ROBOTS
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.settings import NetemSettings
 from farhand.netem.spec import parse_spec
-from farhand.netem.timeline import parse_timeline
+from farhand.netem.timeline import load_timeline
 
 MS = 1_000_000
 ROBOTS = ("arm1", "arm2", "arm3")
@@ -34,7 +35,7 @@ class Rig:
         own = {
             name: {way: parse_spec(text) for way, text in ways.items()} for name, ways in (own or {}).items()
         }
-        self.node = NetemNode(operator_end, robot_end, spec, spec, 1, robot_networks=own, **kwargs)
+        self.node = NetemNode(operator_end, robot_end, Emulation(spec, spec, 1, own), **kwargs)
         self.now_ns = 1
 
     def ask(self, do, **fields):
@@ -145,7 +146,7 @@ def fates(network, robots=ROBOTS, own=True, seed=1):
     robot, robot_end = memory_wire()
     spec = parse_spec(network)
     networks = {name: {"uplink": spec} for name in robots} if own else {}
-    node = NetemNode(operator_end, robot_end, spec, spec, seed, robot_networks=networks)
+    node = NetemNode(operator_end, robot_end, Emulation(spec, spec, seed, networks))
     found = {name: [] for name in robots}
     for tick in range(40_000):
         now_ns = 1 + tick * MS
@@ -182,17 +183,19 @@ def test_the_same_network_given_again_begins_new_streams():
     assert len(set(drawn)) == 3
 
 
-def test_a_timeline_changes_one_robot():
-    text = (
+def test_a_timeline_changes_one_robot(tmp_path):
+    path = tmp_path / "timeline.toml"
+    path.write_text(
         '[[at]]\ntime = 1.0\ndo = "set"\nspec = "constant:30"\nrobot = "arm2"\n'
         '[[at]]\ntime = 2.0\ndo = "common"\nrobot = "arm2"\n'
     )
-    rig = Rig("constant:10", schedule=parse_timeline(text, "here"))
+    rig = Rig("constant:10", schedule=load_timeline(path))
     seen = [rig.delays("arm1", "arm2", wait_ms=1000) for _ in range(3)]
     assert [s["arm2"] for s in seen] == [10, 30, 10]
     assert {s["arm1"] for s in seen} == {10}
+    path.write_text('[[at]]\ntime = 1.0\ndo = "common"\n')
     with pytest.raises(InputError, match="step 1: common: say which robot"):
-        parse_timeline('[[at]]\ntime = 1.0\ndo = "common"\n', "here")
+        load_timeline(path)
 
 
 def test_the_option_takes_uplink_and_downlink_apart():

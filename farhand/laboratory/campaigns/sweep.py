@@ -1,7 +1,6 @@
 """Sweeps: any setting of a scenario or a network over a grid and seeds, from one TOML file."""
 
 import itertools
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,17 +8,13 @@ import msgspec
 from msgspec import Meta, Struct
 
 from farhand.common.errors import InputError, SpecError
+from farhand.common.toml import read_toml
 from farhand.laboratory.campaigns.jobs import Job
 from farhand.laboratory.campaigns.store import source_digest
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.programs.wiring import versions
 from farhand.runs.run import Network, NetworkChoice, Run, choose_network, read_choice
 from farhand.runs.scenario import Scenario, load_scenario, replace_setting, scenario_to_table
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 RANDOM_TASKS = "random-tasks"
 """In place of a scenario: each seed is a random task of its own, as in Table I."""
@@ -174,14 +169,7 @@ class Sweep:
 
 def _read(path: Path) -> SweepFile:
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "is not UTF-8 text"
-        raise InputError(f"sweep {path}: cannot be read: {why}") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"sweep {path}: not valid TOML: {error}") from None
-    try:
-        return msgspec.convert(table, SweepFile)
+        return msgspec.convert(read_toml(path, "sweep"), SweepFile)
     except msgspec.ValidationError as error:
         raise InputError(f"sweep {path}: {str(error).replace('`$.', '`')}") from None
 

@@ -1,15 +1,25 @@
-"""What every trace format shares: the samples it yields, how a bad line is reported, units and numbers."""
+"""What every trace format shares: its interface, the samples it yields, how a bad line is reported, units.
+
+To add a format: one file with a `TraceFormat` (name, matches, read), and one line in registry.py; or, from a
+package of your own, an entry point of the group `farhand.trace_formats`.
+"""
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Literal, NoReturn
+from typing import ClassVar, Literal, NoReturn, get_args
 
 from farhand.common.errors import TraceError
 
 Kind = Literal["one-way", "round-trip"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
-"""Units of time that a trace may use, in s."""
+"""Units of time that a trace may use, in s.
+
+Delays are multiplied by them and not divided by 1e9, as `to_seconds` does: that differs in the last bit, and so might
+a nanosecond of a replay.
+"""
 
 MAX_SAMPLES = 2_000_000
 LONGEST_DELAY = 3600.0
@@ -17,7 +27,7 @@ LONGEST_DELAY = 3600.0
 
 
 @dataclass(frozen=True)
-class ReadOptions:
+class TraceOptions:
     """What the caller says about a file; None where the file or the format says it.
 
     Attributes:
@@ -34,7 +44,7 @@ class ReadOptions:
 
 
 @dataclass
-class Samples:
+class TraceSamples:
     """What a reader found.
 
     Attributes:
@@ -73,6 +83,26 @@ class TraceText:
         """The line in quotes, cut to a readable length."""
         text = self.lines[line - 1]
         return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+class TraceFormat(ABC):
+    """A format of recorded delays.
+
+    Class attributes:
+        name: in `--format` and in a SPEC's `format=`.
+        general: many files look like it, so it is asked after those that look for something particular.
+    """
+
+    name: ClassVar[str]
+    general: ClassVar[bool] = False
+
+    @abstractmethod
+    def matches(self, text: TraceText) -> bool:
+        """Whether a text, which is not empty, looks like it."""
+
+    @abstractmethod
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
+        """Its samples; raises TraceError (`text.fail`) with the line and what is wrong with it."""
 
 
 def factor_of(unit: str, text: TraceText) -> float:
@@ -117,8 +147,10 @@ def comments(text: TraceText) -> dict[str, str]:
     return found
 
 
-def kind_in(header: dict[str, str], text: TraceText) -> Kind | None:
-    """The kind that a file's header states; None without one."""
+def kind_in(header: dict[str, str], options: TraceOptions, text: TraceText) -> Kind | None:
+    """The kind that the caller says, or the file's header; None without one."""
+    if options.kind is not None:
+        return options.kind
     stated = header.get("kind")
     if stated is None:
         return None
@@ -127,6 +159,13 @@ def kind_in(header: dict[str, str], text: TraceText) -> Kind | None:
     if stated == "round-trip":
         return "round-trip"
     text.fail(f"kind {stated!r} in the header; one-way or round-trip")
+
+
+def period_in(header: dict[str, str], options: TraceOptions, text: TraceText) -> float | None:
+    """The spacing of the samples (s) that the caller says, or the file's header; None without one."""
+    if options.period is not None or "period" not in header:
+        return options.period
+    return duration_in(header["period"], text, "period")
 
 
 def duration_in(word: str, text: TraceText, what: str) -> float:

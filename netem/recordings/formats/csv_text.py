@@ -17,19 +17,20 @@ import csv
 import math
 import re
 from io import StringIO
+from typing import ClassVar
 
 from farhand.netem.recordings.formats.base import (
     UNITS,
-    Kind,
-    ReadOptions,
-    Samples,
+    TraceFormat,
+    TraceOptions,
+    TraceSamples,
     TraceText,
     check_delay,
     comments,
-    duration_in,
     factor_of,
     kind_in,
     number,
+    period_in,
 )
 
 MARK = "# farhand trace"
@@ -39,59 +40,92 @@ _LOST = {"", "lost", "nan", "none", "null", "inf"}
 _UNIT_IN_NAME = re.compile(r"(.+?)\s*(?:\((\w+)\)|\[(\w+)\]|_(s|ms|us|ns))\Z")
 
 
-def matches(text: TraceText) -> bool:
-    """Whether this looks like comma-separated values."""
-    if text.lines[0].lower().startswith(MARK):
-        return True
-    first = next((line for line in text.lines if line.strip() and not line.startswith("#")), "")
-    return "," in first or first.strip().lower().startswith(_DELAY_NAMES)
+class CsvText(TraceFormat):
+    """Comma-separated values."""
 
+    name: ClassVar[str] = "csv"
+    general: ClassVar[bool] = True
 
-def read(text: TraceText, options: ReadOptions) -> Samples:
-    """Samples of the delay's column, timed if there is a column of times."""
-    header = comments(text)
-    start = next((i for i, line in enumerate(text.lines) if line.strip() and line[0] != "#"), None)
-    if start is None:
-        text.fail("no samples")
-    names = _cells(text, start)
-    has_names = not all(_is_number(name) for name in names)
-    delay_at = _delay_column(names if has_names else [], len(names), options, text)
-    time_at = _time_column(names) if has_names else None
-    if time_at == delay_at:
-        time_at = None
-    unit = options.unit or header.get("unit") or (_unit_of(names[delay_at]) if has_names else None)
-    if unit is None:
-        text.fail(
-            f"no unit: give one of {', '.join(UNITS)}, or a header line such as '# unit: ms'", start + 1
+    def matches(self, text: TraceText) -> bool:
+        """Whether this looks like comma-separated values."""
+        if text.lines[0].lower().startswith(MARK):
+            return True
+        first = next((line for line in text.lines if line.strip() and not line.startswith("#")), "")
+        return "," in first or first.strip().lower().startswith(_DELAY_NAMES)
+
+    def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
+        """Samples of the delay's column, timed if there is a column of times."""
+        header = comments(text)
+        start = next((i for i, line in enumerate(text.lines) if line.strip() and line[0] != "#"), None)
+        if start is None:
+            text.fail("no samples")
+        columns = _Columns(text, start, header, options)
+        samples = TraceSamples(
+            kind_in(header, options, text) or "one-way", provenance=header.get("provenance", "")
         )
-    factor = factor_of(unit, text)
-    time_factor = UNITS[(_unit_of(names[time_at]) or "s")] if time_at is not None else 1.0
-    kind: Kind = options.kind or kind_in(header, text) or "one-way"
-    period = options.period
-    if period is None and "period" in header:
-        period = duration_in(header["period"], text, "period")
-    samples = Samples(
-        kind, times=[] if time_at is not None else None, provenance=header.get("provenance", "")
-    )
-    if time_at is None:
-        samples.period = period
-    for index in range(start + (1 if has_names else 0), len(text.lines)):
-        if not text.lines[index].strip() or text.lines[index].startswith("#"):
-            continue
-        cells, line = _cells(text, index), index + 1
-        if delay_at >= len(cells) or (time_at is not None and time_at >= len(cells)):
-            text.fail(f"{len(cells)} columns where {len(names)} are expected", line)
-        word = cells[delay_at]
-        if word.lower() in _LOST:
-            samples.delays.append(math.nan)
+        period = period_in(header, options, text)
+        if columns.time_at is None:
+            samples.period = period
         else:
-            samples.delays.append(check_delay(number(word, text, line, "a delay") * factor, text, line))
-        if time_at is not None and samples.times is not None:
-            instant = number(cells[time_at], text, line, "a time") * time_factor
-            if samples.times and instant < samples.times[-1]:
-                text.fail(f"the time goes backwards: {text.excerpt(line)}", line)
-            samples.times.append(instant)
-    return samples
+            samples.times = []
+        for index in range(columns.first, len(text.lines)):
+            if not text.lines[index].strip() or text.lines[index].startswith("#"):
+                continue
+            cells = columns.cells(index)
+            samples.delays.append(columns.delay(cells, index + 1))
+            if samples.times is not None:
+                instant = columns.instant(cells, index + 1)
+                if samples.times and instant < samples.times[-1]:
+                    text.fail(f"the time goes backwards: {text.excerpt(index + 1)}", index + 1)
+                samples.times.append(instant)
+        return samples
+
+
+class _Columns:
+    """Where the delay and the time stand, and in which units.
+
+    Args:
+        text: the file.
+        start: index of the first line that is no comment: the columns' names, or a row.
+        header: the comments before.
+        options: what the caller says.
+    """
+
+    def __init__(self, text: TraceText, start: int, header: dict[str, str], options: TraceOptions) -> None:
+        self._text = text
+        names = _cells(text, start)
+        self._count = len(names)
+        has_names = not all(_is_number(name) for name in names)
+        self._delay_at = _delay_column(names if has_names else [], len(names), options, text)
+        time_at = _time_column(names) if has_names else None
+        self.time_at = None if time_at == self._delay_at else time_at
+        unit = options.unit or header.get("unit") or (_unit_of(names[self._delay_at]) if has_names else None)
+        if unit is None:
+            text.fail(
+                f"no unit: give one of {', '.join(UNITS)}, or a header line such as '# unit: ms'", start + 1
+            )
+        self._factor = factor_of(unit, text)
+        self._time_factor = 1.0 if self.time_at is None else UNITS[_unit_of(names[self.time_at]) or "s"]
+        self._least = 1 + max(self._delay_at, self.time_at or 0)
+        self.first = start + (1 if has_names else 0)
+
+    def cells(self, index: int) -> list[str]:
+        """The cells of a row that has all that is needed."""
+        cells = _cells(self._text, index)
+        if len(cells) < self._least:
+            self._text.fail(f"{len(cells)} columns where {self._count} are expected", index + 1)
+        return cells
+
+    def delay(self, cells: list[str], line: int) -> float:
+        """The delay (s); NaN: lost."""
+        word = cells[self._delay_at]
+        if word.lower() in _LOST:
+            return math.nan
+        return check_delay(number(word, self._text, line, "a delay") * self._factor, self._text, line)
+
+    def instant(self, cells: list[str], line: int) -> float:
+        """The time (s); only with a column of times."""
+        return number(cells[self.time_at or 0], self._text, line, "a time") * self._time_factor
 
 
 def _cells(text: TraceText, index: int) -> list[str]:
@@ -122,7 +156,7 @@ def _unit_of(name: str) -> str | None:
     return unit if unit in UNITS else None
 
 
-def _delay_column(names: list[str], count: int, options: ReadOptions, text: TraceText) -> int:
+def _delay_column(names: list[str], count: int, options: TraceOptions, text: TraceText) -> int:
     wanted = options.column
     if wanted is not None:
         for index, name in enumerate(names):

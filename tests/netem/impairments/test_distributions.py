@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from farhand.common.link.link import Packet
-from farhand.netem.chain import build_chain
+from farhand.netem.chain import Chain
 from farhand.netem.impairments.loss_markov import stationary
 from farhand.netem.impairments.paretonormal import NORMAL_PART, PARETO_PART
 from farhand.netem.spec import parse_spec
@@ -17,7 +17,7 @@ N = 20_000
 
 
 def offer_all(text, count=N, seed=1, interval_ns=2_000_000, size=100, key=KEY):
-    chain = build_chain(parse_spec(text), seed, "uplink")
+    chain = Chain(parse_spec(text), seed, "uplink")
     return [
         chain.offer(Packet(key, bytes(size), 1 + n * interval_ns), 1 + n * interval_ns)[0]
         for n in range(count)
@@ -107,7 +107,7 @@ def test_trace_replays_by_time_for_all_keys(tmp_path):
     file.write_text("".join(f"{n + 1}\n" for n in range(100)))
     found = delays(f"trace:{file},period=10,kind=one-way", count=100, interval_ns=10_000_000)
     assert np.allclose(found, np.arange(1, 101) * 1e-3)
-    chain = build_chain(parse_spec(f"trace:{file},period=10,kind=one-way"), 1, "uplink")
+    chain = Chain(parse_spec(f"trace:{file},period=10,kind=one-way"), 1, "uplink")
     chain.start(1)
     late = chain.offer(Packet("farhand/r/camera/a", b"", 500_000_001), 500_000_001)[0]
     assert late.delay_ns == 51_000_000

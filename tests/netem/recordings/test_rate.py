@@ -37,12 +37,6 @@ def test_a_big_message_goes_round(schedule):
     assert schedule.depart(5 * MS, 1500 * 10) == (5 + 80 + 10) * MS
 
 
-def test_mean_rate(tmp_path):
-    path = tmp_path / "t"
-    path.write_text("".join(f"{n}\n" for n in range(1, 1001)))
-    assert load_rate_trace(path).mean_rate() == pytest.approx(12e6)
-
-
 @pytest.mark.parametrize(
     ("content", "words"),
     [

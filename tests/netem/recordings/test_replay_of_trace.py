@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from farhand.common.errors import TraceError
 from farhand.netem.recordings.trace import Trace, load_trace
 
 MS = 1_000_000
@@ -33,6 +34,16 @@ def test_the_end(at_end, expected):
     timed = make([0.01, 0.02], period=0.1, at_end=at_end)
     assert draws(timed, [0, 199, 200, 299]) == [0.01, 0.02, expected, expected]
     assert draws(make([0.01, 0.02], at_end=at_end), [0, 0, 0])[2] == expected
+
+
+def test_how_it_is_replayed_can_be_said_later():
+    trace = make([0.01, 0.02], period=0.1, kind="round-trip")
+    other = trace.replayed(at_end="stop", uplink_share=0.25)
+    assert draws(other, [0, 200]) == [0.0025, None]
+    with pytest.raises(TraceError, match="the uplink's share is 2"):
+        trace.replayed(uplink_share=2)
+    with pytest.raises(TraceError, match="at_end 'never' is unknown; one of wrap, stop, hold"):
+        trace.replayed(at_end="never")
 
 
 def test_a_wrapped_replay_starts_again_in_phase():

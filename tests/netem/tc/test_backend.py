@@ -10,7 +10,7 @@ import pytest
 
 from farhand.common.errors import InputError, SpecError
 from farhand.common.result_file import write_result
-from farhand.netem.impairments.base import Context
+from farhand.netem.impairments.base import ImpairmentContext
 from farhand.netem.main import NetemSettings
 from farhand.netem.models.profiles import PROFILES
 from farhand.netem.result import NetemResult
@@ -133,7 +133,7 @@ def test_a_table_is_the_distribution_that_messages_are_delayed_by(kind):
     spec = parse_spec(f"{kind}:200,20")
     table = kernel_network(spec, "uplink").table
     assert table is not None
-    sampler = spec.words[0].sampler(Context(1, "uplink", "", 0))
+    sampler = spec.words[0].sampler(ImpairmentContext(1, "uplink", "", 0))
     messages = np.array([sampler.draw(0) for _ in range(40_000)])
     fractions = [0.01, 0.1, 0.5, 0.9, 0.99]
     np.testing.assert_allclose(

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from farhand.common.errors import TraceError
 from farhand.netem.models.profiles import load_model
-from farhand.netem.recordings.formats import READERS
+from farhand.netem.recordings.formats.registry import FORMATS
 from farhand.netem.recordings.rate import load_rate_trace
 from farhand.netem.recordings.trace import Trace, load_trace
 from farhand.netem.recordings.write import write_trace
@@ -92,7 +92,7 @@ def checked(read) -> None:
 @QUIET
 @given(
     contents,
-    st.sampled_from([None, *READERS]),
+    st.sampled_from([None, *FORMATS.names()]),
     st.sampled_from([None, "ms", "s"]),
     st.sampled_from([None, "delay", "1", "2", "rtt", "²"]),
     st.sampled_from([None, 0.01]),

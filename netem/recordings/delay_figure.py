@@ -1,16 +1,13 @@
-"""What a trace looks like: autocorrelation, and a figure."""
+"""A figure of a trace: its delays over time, and their tail."""
 
-import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from farhand.common.errors import TraceError
 from farhand.netem.recordings.trace import Trace
 
-LAGS = (1, 2, 5, 10, 20, 50, 100)
 WIDTH = 7.16
 _BLUE, _ORANGE = "#0072B2", "#D55E00"
 _STYLE: Any = {
@@ -24,20 +21,6 @@ _STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
-
-
-def autocorrelation(delays: NDArray[np.float64], lags: tuple[int, ...] = LAGS) -> dict[int, float]:
-    """Correlation of delays (n,) with those `lag` samples later, lost ones left out; NaN if undefined."""
-    result: dict[int, float] = {}
-    for lag in lags:
-        before, after = delays[:-lag], delays[lag:]
-        both = ~np.isnan(before) & ~np.isnan(after)
-        before, after = before[both], after[both]
-        if len(before) < 3 or np.ptp(before) == 0 or np.ptp(after) == 0:
-            result[lag] = math.nan
-        else:
-            result[lag] = float(np.corrcoef(before, after)[0, 1])
-    return result
 
 
 def draw_trace(trace: Trace, path: str | Path, title: str) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 from rich.markup import escape
 from rich.table import Table
 
-from farhand.netem.measure.report import milliseconds
+from farhand.netem.measure.report import fine_milliseconds
 
 
 def check_table(found: dict[str, Any]) -> Table:
@@ -25,7 +25,7 @@ def check_table(found: dict[str, Any]) -> Table:
         table.add_row(label, *(escape(str(value)) for value in values))
 
     def quantities(values: dict[str, float], *names: str) -> str:
-        return " / ".join(milliseconds(values[name]) for name in names)
+        return " / ".join(fine_milliseconds(values[name]) for name in names)
 
     row("network", *(d["spec"] for d in both))
     row("sent / taken in", *(f"{d['sent']} / {d['taken_in']}" for d in both))

@@ -6,11 +6,12 @@ one sent at or before it. Untimed traces: one sample for each message.
 
 import math
 from bisect import bisect_right
-from typing import Literal, Protocol
+from typing import Literal, Protocol, get_args
 
 from farhand.common.timing.clock import NANOSECONDS_PER_SECOND
 
 AtEnd = Literal["wrap", "stop", "hold"]
+AT_ENDS: tuple[AtEnd, ...] = get_args(AtEnd)
 
 
 class DelaySampler(Protocol):

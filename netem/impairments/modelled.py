@@ -3,33 +3,39 @@
 from functools import lru_cache
 from typing import ClassVar
 
-from farhand.netem.impairments.base import Context
-from farhand.netem.impairments.delay import DelayWord, Sampler
+from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.impairments.delay import DelayWord
 from farhand.netem.models.profiles import PROFILES, Profile, load_model
-from farhand.netem.words.reader import Reader, path_text
-
-
-def profile_names() -> tuple[str, ...]:
-    """Names of the built-in profiles."""
-    return tuple(PROFILES)
+from farhand.netem.recordings.playback import DelaySampler
+from farhand.netem.words.reader import SpecReader, path_text
 
 
 class ProfileWord(DelayWord, frozen=True):
     """A built-in profile.
 
     Attributes:
-        name: in farhand.netem.models.profiles.PROFILES.
+        profile: its name, which is the word.
     """
 
-    name: str
+    profile: str
+
+    @classmethod
+    def parse(cls, reader: SpecReader) -> "ProfileWord":
+        """Nothing: the name says all."""
+        return cls(reader.word)
+
+    @classmethod
+    def describe(cls, name: str) -> tuple[str, str]:
+        """The profile's name, and what it says of itself."""
+        return name, PROFILES[name].description
 
     def text(self) -> str:
         """Canonical word."""
-        return self.name
+        return self.profile
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The profile's model."""
-        return _sampler(PROFILES[self.name], context)
+        return _sampler(PROFILES[self.profile], context)
 
 
 class ModelWord(DelayWord, frozen=True):
@@ -40,12 +46,13 @@ class ModelWord(DelayWord, frozen=True):
     """
 
     path: str
-    word: ClassVar[str] = "model"
+    name: ClassVar[str] = "model"
+    example: ClassVar[str] = "model:fitted.toml"
+    description: ClassVar[str] = "a model that `farhand trace fit` wrote"
 
     @classmethod
-    def parse(cls, reader: Reader) -> "ModelWord":
+    def parse(cls, reader: SpecReader) -> "ModelWord":
         """`:FILE`."""
-        reader.example = "model:fitted.toml"
         reader.expect(":", "the file of a fitted model")
         return cls(reader.path("the file of a fitted model"))
 
@@ -57,7 +64,7 @@ class ModelWord(DelayWord, frozen=True):
         """Read the file; raises InputError."""
         _load(self.path)
 
-    def sampler(self, context: Context) -> Sampler:
+    def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The fitted model."""
         return _sampler(_load(self.path), context)
 
@@ -67,7 +74,7 @@ def _load(path: str) -> Profile:
     return load_model(path)
 
 
-def _sampler(profile: Profile, context: Context) -> Sampler:
+def _sampler(profile: Profile, context: ImpairmentContext) -> DelaySampler:
     """Jitter and losses of its own for each key; stalls and outages come to all keys at once."""
     return profile.sampler(
         context.rng("delay"),
