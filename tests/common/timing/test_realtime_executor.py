@@ -20,7 +20,8 @@ from farhand.common.messages.keys import (
     state_key,
 )
 from farhand.common.timing.clock import SystemClock
-from farhand.common.timing.executor import Periodic, RealtimeExecutor
+from farhand.common.timing.loop import RealtimeLoop
+from farhand.common.timing.periodic import Periodic
 
 MS = 1_000_000
 
@@ -40,7 +41,7 @@ class Counting:
 @pytest.mark.parametrize("message_driven", [False, True])
 def test_deadlines_are_absolute_and_never_early(message_driven):
     node, clock = Counting(6, 5 * MS), SystemClock()
-    node.executor = RealtimeExecutor(node, clock, message_driven=message_driven, realtime=False)
+    node.executor = RealtimeLoop(node, clock, message_driven=message_driven, realtime=False)
     node.executor.run()
     assert len(node.times) == 6
     assert all(t >= node.times[0] + k * node.period for k, t in enumerate(node.times))
@@ -49,7 +50,7 @@ def test_deadlines_are_absolute_and_never_early(message_driven):
 
 def test_a_message_wakes_a_sleeping_node():
     node, clock = Counting(3, None), SystemClock()
-    executor = node.executor = RealtimeExecutor(node, clock, message_driven=True, realtime=False)
+    executor = node.executor = RealtimeLoop(node, clock, message_driven=True, realtime=False)
     thread = threading.Thread(target=executor.run)
     thread.start()
     while thread.is_alive():
@@ -60,7 +61,7 @@ def test_a_message_wakes_a_sleeping_node():
 
 def test_stop_ends_a_node_that_sleeps_for_ever():
     node = Counting(99, None)
-    executor = RealtimeExecutor(node, SystemClock(), realtime=False)
+    executor = RealtimeLoop(node, SystemClock(), realtime=False)
     thread = threading.Thread(target=executor.run)
     thread.start()
     executor.stop()
@@ -74,7 +75,7 @@ def test_exceptions_of_the_node_pass_through():
             raise ArithmeticError("broken")
 
     with pytest.raises(ArithmeticError, match="broken"):
-        RealtimeExecutor(Broken(), SystemClock(), realtime=False).run()
+        RealtimeLoop(Broken(), SystemClock(), realtime=False).run()
 
 
 def test_two_clocks_of_one_host_are_far_apart():

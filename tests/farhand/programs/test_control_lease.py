@@ -10,7 +10,8 @@ from farhand.common.link.link import Packet, memory_wire
 from farhand.common.link.ports import free_ports
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.state import RobotState
-from farhand.common.recording.recorder import RunInfo, RunRecorder
+from farhand.common.recording.records import RunInfo
+from farhand.common.recording.writer import RunRecorder
 from farhand.laboratory.replay import replay
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity
@@ -110,7 +111,7 @@ def test_a_run_with_a_handover_replays_to_the_byte(tmp_path):
     table = scenario_to_table(bench.scenario)
     info = RunInfo(scenario=table, robot="r", session=7, seed=0, versions=versions(), operator="alice")
     alice = bench.start("alice", 7)
-    alice.recorder = RunRecorder(path, info)
+    alice.recorder = RunRecorder(path, info, waits=True)
     try:
         bench.run(2_000)
         bob = bench.start("bob", 8)
