@@ -16,7 +16,7 @@ class Handoff(Generic[T]):
         work: does one thing, in the thread; must not raise.
         name: of the thread.
         limit: how many things may wait.
-        idle: called in the thread whenever nothing waits any more, such as a flush.
+        idle: called in the thread whenever nothing waits any more, and at the end, such as a flush.
 
     Attributes:
         lost: how many things found no place.
@@ -64,3 +64,5 @@ class Handoff(Generic[T]):
             self._work(found[0])
             if self._idle is not None and self._queue.empty():
                 self._idle()
+        if self._idle is not None:
+            self._idle()

@@ -106,9 +106,7 @@ def netem(
         ready_file=ready_file or None,
         ready_fd=ready_fd if ready_fd >= 0 else None,
     )
-    netem_program(
-        settings, insecure=insecure, backend=backend, tc_operator=tc_operator, tc_robot=tc_robot
-    )
+    netem_program(settings, insecure=insecure, backend=backend, tc_operator=tc_operator, tc_robot=tc_robot)
 
 
 @netem_app.command()

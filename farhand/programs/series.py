@@ -1,6 +1,5 @@
 """A run's curve in bounded memory, however long the run."""
 
-from collections.abc import Iterable
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -40,8 +39,3 @@ class Series(Generic[T]):
     def samples(self) -> list[T]:
         """Those that are kept, in order."""
         return list(self._samples)
-
-    def extend(self, samples: Iterable[T]) -> None:
-        """Take several."""
-        for sample in samples:
-            self.add(sample)

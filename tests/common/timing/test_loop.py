@@ -158,3 +158,48 @@ def test_geometry():
     centres, radii = np.array([[2.0, 0, 0], [0, 0, 5.0]]), np.array([0.5, 0.1])
     assert sphere_clearance((0, 0, 0), 0.3, centres, radii) == pytest.approx(1.2)
     assert sphere_clearance((0, 0, 0), 0.3, np.zeros((0, 3)), np.zeros(0)) == 1e6
+
+
+class Noting:
+    """A node that reports, and notes in which order all is called."""
+
+    def __init__(self, calls):
+        self.calls, self.listeners = calls, []
+
+    def step(self, now_ns):
+        self.calls.append("step")
+        for listener in self.listeners:
+            listener("report")
+        return now_ns + MS
+
+
+def test_step_then_listeners_then_hooks_until_the_condition_holds():
+    calls = []
+    node = Noting(calls)
+    node.listeners.append(calls.append)
+    loop = RealtimeLoop(node, SystemClock(), realtime=False, until=lambda _: calls.count("after") == 2)
+    loop.before.append(lambda _: calls.append("before"))
+    loop.after.append(lambda _: calls.append("after"))
+    loop.run()
+    assert calls == ["before", "step", "report", "after"] * 2
+    assert loop.ended_ns is not None
+
+
+def test_a_condition_that_holds_at_the_start_lets_no_step_happen():
+    calls = []
+    RealtimeLoop(Noting(calls), SystemClock(), realtime=False, until=lambda _: True).run()
+    assert calls == []
+
+
+@pytest.mark.parametrize("message_driven", [False, True])
+def test_a_condition_is_seen_while_the_node_sleeps(message_driven):
+    node, over = Counting(99, None), threading.Event()
+    loop = RealtimeLoop(
+        node, SystemClock(), message_driven=message_driven, realtime=False, until=lambda _: over.is_set()
+    )
+    thread = threading.Thread(target=loop.run)
+    thread.start()
+    over.set()
+    thread.join(10)
+    assert not thread.is_alive()
+    assert len(node.times) <= 1
