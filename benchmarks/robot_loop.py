@@ -20,7 +20,7 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import command_key
 from farhand.common.timing.clock import SystemClock, processor_seconds
-from farhand.common.timing.executor import RealtimeExecutor
+from farhand.common.timing.loop import RealtimeLoop
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import Scenario, load_scenario
@@ -85,7 +85,7 @@ def lateness(realtime: bool) -> dict[str, Any]:
     robot = make_robot(scenario)
     _, link = memory_wire()
     node = RobotNode(scenario, robot, link, "r", SESSION)
-    executor = RealtimeExecutor(node, SystemClock(), realtime=realtime)
+    executor = RealtimeLoop(node, SystemClock(), realtime=realtime)
     # A thread of its own: scheduling rights are a thread's, and end with it.
     thread = threading.Thread(target=executor.run)
     thread.start()

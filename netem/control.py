@@ -10,14 +10,17 @@ from typing import Any
 import msgspec
 
 from farhand.common.errors import EndpointError, FarhandError, InputError
-from farhand.common.link.requests import MAX_REQUEST, Requests
+from farhand.common.link.requests import MAX_REQUEST, Desk, Request, Requests, refusal
 from farhand.common.link.requests import ask as ask_program
 from farhand.common.link.zenoh_link import check_endpoint, is_loopback, open_session
+from farhand.common.timing.slot import Slot
 from farhand.netem.action import Action
 from farhand.netem.endpoints import DEFAULT_ENDPOINT
 from farhand.netem.netem_node import NetemNode
+from farhand.netem.result import NetemResult
 
 KEY = "farhand/netem/control"
+LOOKS = 20
 
 
 def control_endpoint(text: str) -> str:
@@ -31,24 +34,59 @@ def control_endpoint(text: str) -> str:
 
 
 def handle(node: NetemNode, payload: bytes, now_ns: int) -> bytes:
-    """Do what a request says, and the reply to it. Never raises."""
+    """Do what a request says at `now_ns`, and the reply to it. Never raises. For virtual time."""
+    return answer(node, payload, lambda change: change(now_ns))
+
+
+def answer(node: NetemNode, payload: bytes, apply: Callable[[Callable[[int], object]], object]) -> bytes:
+    """The reply to a request. Never raises.
+
+    Args:
+        node: the emulator, which may be running in another thread.
+        payload: the request, as it came.
+        apply: has a decided change done in the node's thread, at the time that it is given there.
+    """
     try:
         if len(payload) > MAX_REQUEST:
             raise InputError(f"request of {len(payload)} bytes; at most {MAX_REQUEST}")
         action = _decode(payload)
-        if action is not None:
-            action.perform(node, now_ns)
+        if action is None:
+            conserved = apply(lambda _: _conserved(node))
+            statistics = msgspec.structs.replace(look_at(node), conserved=conserved)
+            return msgspec.json.encode({"ok": True, "statistics": statistics})
+        action.check()  # reads the files that it names, which are then known to `perform`
+        apply(lambda now_ns: action.perform(node, now_ns))
     except FarhandError as error:
-        return msgspec.json.encode({"ok": False, "error": str(error)})
-    if action is None:
-        return msgspec.json.encode({"ok": True, "statistics": node.statistics()})
+        return refusal(str(error))
     specs = {name: str(direction.chain.spec) for name, direction in node.directions.items()}
     own = {
         name: {robot: str(chain.spec) for robot, chain in sorted(direction.own_chains.items())}
         for name, direction in node.directions.items()
     }
-    seen = sorted({robot for direction in node.directions.values() for robot in direction.robots})
+    seen = sorted({robot for direction in node.directions.values() for robot in list(direction.robots)})
     return msgspec.json.encode({"ok": True, "specs": specs, "robot_specs": own, "seen": seen})
+
+
+def look_at(node: NetemNode) -> NetemResult:
+    """The statistics of a node that may be running in another thread, which does not wait for it.
+
+    Counters may differ by the messages that passed meanwhile.
+    """
+    for _ in range(LOOKS):
+        try:
+            return node.statistics()
+        except RuntimeError:  # a robot or a bin was new at that very moment
+            continue
+    return node.statistics()
+
+
+def _conserved(node: NetemNode) -> bool:
+    """The same as the node's own word, but quick: it is asked in the node's thread."""
+    for direction in node.directions.values():
+        each = direction.robots.values()
+        if sum(s.queued for s in each) != len(direction.queue) or not all(s.conserved() for s in each):
+            return False
+    return True
 
 
 def _decode(payload: bytes) -> Action | None:
@@ -63,28 +101,30 @@ def _decode(payload: bytes) -> Action | None:
 
 
 class ControlServer:
-    """Takes requests from the queryable; they are done in the emulator's thread by `serve`.
+    """Reads, checks and answers requests in a thread of its own; what they change is done by the slot.
 
     Args:
         endpoint: on loopback.
-        wake: called when a request has come, in a Zenoh thread.
+        node: the emulator.
+        slot: served by the node's loop.
 
     Raises:
         EndpointError: the port is taken.
     """
 
-    def __init__(self, endpoint: str, wake: Callable[[], None]) -> None:
+    def __init__(self, endpoint: str, node: NetemNode, slot: Slot) -> None:
+        self._node, self._slot = node, slot
         self._session = open_session((), [control_endpoint(endpoint)])
-        self._requests = Requests(self._session, KEY, wake)
-
-    def serve(self, node: NetemNode, now_ns: int) -> None:
-        """Answer all waiting requests."""
-        while (request := self._requests.pop()) is not None:
-            request.reply(handle(node, request.payload, now_ns))
+        self._desk = Desk("control", self._look, Requests(self._session, KEY))
 
     def close(self) -> None:
         """Stop answering."""
+        self._desk.close()
         self._session.close()  # type: ignore[no-untyped-call]
+
+    def _look(self, request: Request | None) -> None:
+        if request is not None:
+            request.reply(answer(self._node, request.payload, self._slot.do))
 
 
 def ask(endpoint: str, request: dict[str, object], timeout: float = 3.0) -> dict[str, Any]:

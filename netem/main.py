@@ -1,7 +1,6 @@
 """The emulator as a program: the proxy, the node, live control, and what they did at the end."""
 
 import os
-import signal
 import sys
 import threading
 from collections.abc import Callable
@@ -14,11 +13,16 @@ from rich.console import Console
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.link.presence import answerer
 from farhand.common.messages.keys import about_key, alive_key
+from farhand.common.process.outputs import check_writable
+from farhand.common.process.signals import say, stop_event_on_signals
+from farhand.common.process.teller import Teller
 from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
-from farhand.common.timing.executor import RealtimeExecutor
+from farhand.common.timing.loop import RealtimeLoop
+from farhand.common.timing.slot import Slot
 from farhand.common.trust.tls import load_folder, watch_names
-from farhand.netem.control import ControlServer, control_endpoint
+from farhand.netem.announcer import Announcer
+from farhand.netem.control import ControlServer, control_endpoint, look_at
 from farhand.netem.emulation import Emulation
 from farhand.netem.measure.message_log import CsvLog
 from farhand.netem.measure.metrics import MetricsServer
@@ -30,44 +34,8 @@ from farhand.netem.settings import NetemSettings as NetemSettings
 from farhand.netem.spec import parse_spec
 from farhand.netem.timeline import load_timeline
 
-HOUSEKEEPING_NS = 50_000_000
 SWITCH_INTERVAL = 0.0002
 """How long another Python thread may keep the emulator's from running (s); 5 ms is Python's own."""
-
-
-class _Program:
-    """What the executor runs: the node, and around it requests and a look at the stop event."""
-
-    def __init__(
-        self,
-        node: NetemNode,
-        control: ControlServer | None,
-        stopped: Callable[[], bool],
-        say: Callable[[str], None],
-    ) -> None:
-        self.stop: Callable[[], None] = lambda: None
-        self._node = node
-        self._control = control
-        self._stopped = stopped
-        self._say = say
-        self._bypass_said = False
-
-    def step(self, now_ns: int) -> int | None:
-        """One step of the node."""
-        if self._control is not None:
-            self._control.serve(self._node, now_ns)
-        next_ns = self._node.step(now_ns)
-        if self._stopped():
-            self.stop()
-        for line in self._node.take_notes():
-            self._say(line)
-        if not self._bypass_said and any(t.bypassed for t in self._node.round_trips.values()):
-            self._bypass_said = True
-            self._say(
-                "a robot answers a command that the emulator did not let through: something goes past it"
-            )
-        housekeeping_ns = now_ns + HOUSEKEEPING_NS
-        return housekeeping_ns if next_ns is None else min(next_ns, housekeeping_ns)
 
 
 def run_netem(
@@ -94,23 +62,25 @@ def run_netem(
     schedule = load_timeline(settings.timeline) if settings.timeline else None
     if settings.control:
         control_endpoint(settings.control)
-    _check_writable(settings.stats)
+    check_writable(settings.stats, "--stats")
     stop_event = stop_event or threading.Event()
     folder = load_folder(settings.certificates, "netem") if settings.certificates else None
     sides = {
         side: [*settings.tls, *(folder.settings(f"netem-{side}") if folder else ())]
         for side in ("operator", "robot")
     }
-    clock = SystemClock()
-    executor: RealtimeExecutor | None = None
+    clock, teller = SystemClock(), Teller("netem")
+    loop: RealtimeLoop | None = None
 
     def wake() -> None:
-        if executor is not None:
-            executor.notify()
+        if loop is not None:
+            loop.notify()
 
-    log = CsvLog(settings.log) if settings.log else None
-    opened: list[Any] = [log] if log else []
+    opened: list[Any] = [teller]
     try:
+        log = CsvLog(settings.log) if settings.log else None
+        if log is not None:
+            opened.append(log)
         proxy = Proxy(
             settings.listen_operator,
             settings.listen_robot,
@@ -119,7 +89,7 @@ def run_netem(
             settings.connect_operator,
             settings.connect_robot,
             sides["operator"],
-            on_bypass=say,
+            on_bypass=teller.say,
             tls_robot=sides["robot"],
         )
         opened.append(proxy)
@@ -128,9 +98,9 @@ def run_netem(
         for side in (proxy.operator_link, proxy.robot_link):
             side.announce(alive_key("netem", "netem"), answer, about_key("netem", "netem"))
             if folder is not None:
-                watched.append(watch_names(side.session, folder, f"netem-{side.name}", say))
+                watched.append(watch_names(side.session, folder, f"netem-{side.name}", teller.say))
         if folder is not None:
-            opened.append(folder.watch_ends(say))
+            opened.append(folder.watch_ends(teller.say))
         node = NetemNode(
             proxy.operator_link,
             proxy.robot_link,
@@ -139,31 +109,39 @@ def run_netem(
             schedule=schedule,
             instant=clock.now_ns,
         )
-        control = ControlServer(settings.control, wake) if settings.control else None
-        if control is not None:
-            opened.append(control)
+        slot = Slot(wake)
+        if settings.control:
+            opened.append(ControlServer(settings.control, node, slot))
         if settings.metrics:
-            opened.append(MetricsServer(settings.metrics, node.statistics))
-        program = _Program(node, control, stop_event.is_set, say)
-        executor = RealtimeExecutor(program, clock, message_driven=True, realtime=settings.realtime)
-        program.stop = executor.stop
+            opened.append(MetricsServer(settings.metrics, lambda: look_at(node)))
+        loop = RealtimeLoop(
+            node,
+            clock,
+            message_driven=True,
+            realtime=settings.realtime,
+            until=lambda _: stop_event.is_set(),
+        )
+        loop.before.append(slot.serve)
+        loop.after.append(Announcer(teller.say, node).look)
         _tell_ready(settings)
         if on_ready is not None:
             on_ready()
         before = sys.getswitchinterval()
         sys.setswitchinterval(SWITCH_INTERVAL)
         try:
-            executor.run()
+            loop.run()
         finally:
             sys.setswitchinterval(before)
     finally:
         for each in reversed(opened):
             each.close()
+    if log is not None and log.trouble:
+        say("netem", f"--log {settings.log}: {log.missing} rows are missing: {log.trouble}")
     statistics = msgspec.structs.replace(
         node.statistics(),
         **proxy.statistics(),
         seed=settings.seed,
-        realtime_priority=executor.has_realtime_priority,
+        realtime_priority=loop.has_realtime_priority,
     )
     if settings.stats:
         write_result(statistics, Path(settings.stats))
@@ -186,29 +164,11 @@ def _tell_ready(settings: NetemSettings) -> None:
         os.close(settings.ready_fd)
 
 
-def _check_writable(path: str | None) -> None:
-    if path and not Path(path).resolve().parent.is_dir():
-        raise InputError(f"--stats {path}: no such folder: {Path(path).resolve().parent}")
-
-
-def say(line: str) -> None:
-    """One line for people, on stderr."""
-    print(f"netem: {line}", file=sys.stderr, flush=True)
-
-
-def stop_on_signals() -> threading.Event:
-    """An event that SIGTERM and SIGINT set; to be called from the main thread."""
-    event = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: event.set())
-    return event
-
-
 def main() -> int:
     """`python -m farhand.netem.main SETTINGS` with settings as JSON: the emulator as a process of its own."""
     try:
         settings = msgspec.json.decode(sys.argv[1].encode(), type=NetemSettings)
-        run_netem(settings, stop_on_signals())
+        run_netem(settings, stop_event_on_signals())
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

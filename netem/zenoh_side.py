@@ -11,7 +11,8 @@ from typing import Any
 
 import zenoh
 
-from farhand.common.link.link import Inbox, Packet
+from farhand.common.link.keyed_inbox import KeyedInbox
+from farhand.common.link.link import Packet
 from farhand.common.messages.keys import PREFIX, kind_of
 from farhand.common.timing.clock import SystemClock
 from farhand.netem.envelope import MustArrive
@@ -100,7 +101,7 @@ class ZenohSide:
     ) -> None:
         self.name = name
         self.session = session
-        self.inbox = Inbox(INBOX_LIMIT)
+        self.inbox = KeyedInbox(INBOX_LIMIT, INBOX_LIMIT, INBOX_LIMIT)  # a network forgets nothing
         self.peers: set[str] = set()
         self.errors: Counter[str] = Counter()
         self.local = 0

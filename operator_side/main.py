@@ -1,7 +1,6 @@
-"""The operator's side as a program: the node on the real clock, its reports published, its recording kept."""
+"""The operator's side as a program: the node on the real clock, its reports published."""
 
 import threading
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from farhand.common.link.link import Link, Packet
@@ -9,7 +8,8 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import report_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.timing.clock import SystemClock, to_ns, to_seconds
-from farhand.common.timing.executor import RealtimeExecutor
+from farhand.common.timing.loop import RealtimeLoop
+from farhand.common.timing.slot import Slot
 from farhand.operator_side.operator_node import OperatorNode
 
 
@@ -30,81 +30,61 @@ class OperatorOutcome:
     has_realtime_priority: bool
 
 
-class _Program:
-    """What the executor runs: the node, and around it reports and the end of the task."""
+class ReportPublisher:
+    """A listener that sends each report on; it counts in the node's thread, the link has a thread of its own.
 
-    def __init__(
-        self,
-        node: OperatorNode,
-        name: str,
-        report_link: Link | None,
-        time_limit: float | None,
-        stopped: Callable[[], bool],
-        watch: Callable[[ControlReport], None] | None,
-    ) -> None:
-        self.stop: Callable[[], None] = lambda: None
-        self.end_ns: int | None = None
-        self._node, self._key, self._report_link = node, report_key(name), report_link
-        self._limit_ns = None if time_limit is None else to_ns(time_limit)
-        self._stopped, self._watch = stopped, watch
-        self._start_ns: int | None = None
-        self._seen: ControlReport | None = None
+    Args:
+        link: where reports go, on this side of the network only.
+        name: the robot's name.
+    """
 
-    def step(self, now_ns: int) -> int:
-        """One tick, then a look at whether it was the last."""
-        if self._start_ns is None:
-            self._start_ns = now_ns
-        next_ns = self._node.step(now_ns)
-        report = self._node.report
-        if report is not None and report is not self._seen:
-            self._seen = report
-            if self._report_link is not None:
-                self._report_link.send(Packet(self._key, encode(report)))
-            if self._watch is not None:
-                self._watch(report)
-        since_ns = self._node.driving_since_ns or self._start_ns
-        late = self._limit_ns is not None and now_ns - since_ns >= self._limit_ns
-        if self._node.finished or late or self._stopped():
-            self.end_ns = now_ns
-            self.stop()
-        return next_ns
+    def __init__(self, link: Link, name: str) -> None:
+        self._link, self._key = link, report_key(name)
+
+    def __call__(self, report: ControlReport) -> None:
+        """Send one report."""
+        self._link.send(Packet(self._key, encode(report)))
 
 
 def run_operator(
     node: OperatorNode,
-    name: str,
     clock: SystemClock,
     stop_event: threading.Event,
     *,
-    report_link: Link | None = None,
     time_limit: float | None = None,
-    watch: Callable[[ControlReport], None] | None = None,
+    slot: Slot | None = None,
     realtime: bool = True,
 ) -> OperatorOutcome:
     """Run a prepared node until its device is finished, the time is up or `stop_event` is set.
 
     Args:
-        node: the node; its solver is compiled already.
-        name: the robot's name.
+        node: the node, with its listeners; its solver is compiled already.
         clock: of this process.
         stop_event: ends it.
-        report_link: where reports go, on this side of the network only.
         time_limit: after the first motion command, or after the start if there was none (s); None: no limit.
-        watch: called with each report; must be quick.
+        slot: through which other threads change the node.
         realtime: ask for SCHED_FIFO.
     """
-    program = _Program(node, name, report_link, time_limit, stop_event.is_set, watch)
-    executor = RealtimeExecutor(program, clock, realtime=realtime)
-    program.stop = executor.stop
-    executor.run()
+    limit_ns = None if time_limit is None else to_ns(time_limit)
+    start_ns = clock.now_ns()
+
+    def over(now_ns: int) -> bool:
+        since_ns = node.driving_since_ns or start_ns
+        late = limit_ns is not None and now_ns - since_ns >= limit_ns
+        return node.finished or late or stop_event.is_set()
+
+    loop = RealtimeLoop(node, clock, realtime=realtime, until=over)
+    if slot is not None:
+        loop.before.append(slot.serve)
+    loop.run()
     now_ns = clock.now_ns()
     node.release(now_ns)
     since_ns = node.driving_since_ns
-    duration = to_seconds((program.end_ns or now_ns) - since_ns) if since_ns is not None else 0.0
+    duration = to_seconds((loop.ended_ns or now_ns) - since_ns) if since_ns is not None else 0.0
     return OperatorOutcome(
         finished=node.finished,
         duration=duration,
         overruns=node.report.overruns if node.report is not None else 0,
-        lateness_p99=executor.lateness.quantile(0.99),
-        has_realtime_priority=executor.has_realtime_priority,
+        lateness_p99=loop.lateness.quantile(0.99),
+        has_realtime_priority=loop.has_realtime_priority,
     )

@@ -20,7 +20,7 @@ from farhand.common.messages.keys import command_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
-from farhand.common.timing.executor import Periodic
+from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
@@ -103,6 +103,7 @@ class OperatorNode:
     ) -> None:
         self.scenario, self.device, self.who, self.session = scenario, device, who, who.session
         self.report: ControlReport | None = None
+        self.listeners: list[Callable[[ControlReport], object]] = []  # told of every tick; must be quick
         self.recorder: Recorder | None = None
         self._link, self._key = link, command_key(who.robot)
         self._stopwatch = stopwatch
@@ -219,6 +220,8 @@ class OperatorNode:
         )
         if self.recorder is not None:
             self.recorder.tick(now_ns, packets, payload, self.report)
+        for listener in self.listeners:
+            listener(self.report)
 
     def _take(self, packet: Packet) -> None:
         state = self._perception.take(packet)

@@ -10,32 +10,12 @@ import msgspec
 from farhand.common.link.link import Link
 from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
-from farhand.common.timing.executor import RealtimeExecutor
+from farhand.common.timing.loop import RealtimeLoop
 from farhand.robot_side.announcer import Announcer
 from farhand.robot_side.result import Lateness, RobotResult
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.settings import RobotScenario
-
-
-class _UntilStopped:
-    """The node, a look at the event before each step, and one at what there is to say after it."""
-
-    def __init__(self, node: RobotNode, stop_event: threading.Event, announcer: Announcer | None) -> None:
-        self._node = node
-        self._stop_event = stop_event
-        self._announcer = announcer
-        self.stop: Callable[[], None] = lambda: None
-
-    def step(self, now_ns: int) -> int:
-        """Step the node, unless the event is set."""
-        if self._stop_event.is_set():
-            self.stop()
-            return now_ns
-        next_ns = self._node.step(now_ns)
-        if self._announcer is not None:
-            self._announcer.look(now_ns)
-        return next_ns
 
 
 def run_robot(
@@ -51,23 +31,23 @@ def run_robot(
     """Run the scenario's robot until `stop_event` is set; returns its result.
 
     The result holds the lateness of the loop as well, and is written to `summary_file`.
-    `say` takes a line for people on what happens meanwhile. Raises ScenarioError
+    `say` takes a line for people on what happens meanwhile; it is called in the loop's thread and must
+    only hand it over. Raises ScenarioError
     when the robot cannot stand at the scenario's start.
     """
     robot = make_robot(scenario)
     try:
         node = RobotNode(scenario, robot, link, robot_name, secrets.randbits(48) + 1)
-        announcer = Announcer(say, node.watchdog, node.intake) if say is not None else None
-        guarded = _UntilStopped(node, stop_event, announcer)
-        executor = RealtimeExecutor(guarded, clock, realtime=realtime)
-        guarded.stop = executor.stop
-        executor.run()
-        late = executor.lateness
+        loop = RealtimeLoop(node, clock, realtime=realtime, until=lambda _: stop_event.is_set())
+        if say is not None:
+            loop.after.append(Announcer(say, node.watchdog, node.intake).look)
+        loop.run()
+        late = loop.lateness
         lateness = Lateness(
             p50=late.quantile(0.5),
             p99=late.quantile(0.99),
             max=late.max_ns * 1e-9,
-            realtime_priority=executor.has_realtime_priority,
+            realtime_priority=loop.has_realtime_priority,
         )
         result = msgspec.structs.replace(node.summary(), lateness=lateness)
     finally:

@@ -18,7 +18,7 @@ from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.timing.executor import Periodic
+from farhand.common.timing.periodic import Periodic
 from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.result import RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
@@ -29,7 +29,7 @@ from farhand.robot_side.safety.watchdog import Watchdog
 from farhand.robot_side.settings import RobotScenario
 
 SECOND_NS = 1_000_000_000
-CATCH_UP_NS = 100_000_000  # physics makes good for at most this much lost time a tick
+CATCH_UP_NS = 100_000_000  # a simulator makes good for at most this much lost time a tick
 
 
 class RobotNode:
@@ -122,7 +122,8 @@ class RobotNode:
         watchdog = self.watchdog
         if self._field is None:
             self._field = ObstacleField(self._obstacles, now_ns)
-        for missed in range(min(periods - 1, CATCH_UP_NS // self._period_ns), 0, -1):
+        behind = periods - 1 if self._robot.catches_up else 0
+        for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):
             then_ns = now_ns - missed * self._period_ns
             watchdog.tick(then_ns)
             self._observe(self._field, then_ns)

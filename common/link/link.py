@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from farhand.common.link.delivery import Keep
+
 INBOX_LIMIT = 4096
 
 
@@ -20,12 +22,15 @@ class Packet:
         payload: the bytes.
         arrived_ns: arrival on the receiver's clock (ns); 0 until it has arrived.
         envelope: transport metadata that a forwarder must copy (opaque to nodes).
+        keep: whether each packet of its key counts ("every") or only the newest ("newest"), while it waits
+            to be sent; None: as the table in delivery.py says for its key.
     """
 
     key: str
     payload: bytes
     arrived_ns: int = 0
     envelope: object = None
+    keep: Keep | None = None
 
 
 class Link(Protocol):
@@ -41,7 +46,7 @@ class Link(Protocol):
 
 
 class Inbox:
-    """A bounded queue of arrived packets: when full, the oldest goes and is counted.
+    """A bounded queue of arrived packets, for links in memory: when full, the oldest goes and is counted.
 
     Appending and draining may happen in different threads.
     """

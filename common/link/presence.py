@@ -11,7 +11,7 @@ import zenoh
 from farhand.common.messages.base import SCHEMA
 from farhand.common.messages.keys import about_key, alive_key
 from farhand.common.timing.clock import utc_seconds
-from farhand.common.timing.executor import request_realtime
+from farhand.common.timing.realtime import request_realtime
 from farhand.common.trust.certificate import Member
 
 

@@ -3,8 +3,8 @@
 Requests are JSON, replies are JSON too: `{"ok": true, ...}` or `{"ok": false, "error": "..."}`.
 """
 
+import queue
 import threading
-from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +16,8 @@ from farhand.common.link.zenoh_link import open_session
 
 MAX_REQUEST = 65_536
 MAX_WAITING = 64
+LOOK_EVERY = 0.05
+CLOSING_TIME = 1.0
 
 
 class Request:
@@ -41,27 +43,71 @@ class Request:
 
 
 class Requests:
-    """Takes requests in a Zenoh thread, for a program's own thread to answer.
+    """Takes requests in a Zenoh thread, for the thread that answers them (see Desk).
 
     Args:
         session: open, on loopback; whoever opened it closes it.
         key: of the queryable.
-        wake: called when a request has come, in a Zenoh thread.
     """
 
-    def __init__(self, session: zenoh.Session, key: str, wake: Callable[[], None] | None = None) -> None:
-        self._key, self._wake = key, wake
-        self._queries: deque[zenoh.Query] = deque(maxlen=MAX_WAITING)
+    def __init__(self, session: zenoh.Session, key: str) -> None:
+        self._key = key
+        self._queries: queue.Queue[zenoh.Query] = queue.Queue(MAX_WAITING)
         self._queryable = session.declare_queryable(key, self._take)
 
-    def pop(self) -> Request | None:
-        """The oldest request that has not been looked at."""
-        return Request(self._key, self._queries.popleft()) if self._queries else None
+    def get(self, patience: float) -> Request | None:
+        """The oldest request that has not been looked at; None if there is none for `patience` s."""
+        try:
+            return Request(self._key, self._queries.get(timeout=patience))
+        except queue.Empty:
+            return None
 
     def _take(self, query: zenoh.Query) -> None:
-        self._queries.append(query)
-        if self._wake is not None:
-            self._wake()
+        try:
+            self._queries.put_nowait(query)
+        except queue.Full:
+            Request(self._key, query).reply(refusal(f"{MAX_WAITING} requests are waiting; ask again later"))
+
+
+class Desk:
+    """The thread that answers requests, so that no loop does.
+
+    Args:
+        name: of the thread.
+        look: called with a request, or with None when none has come for `every` s; must not raise.
+        requests: None: none can come.
+        every: see above (s).
+    """
+
+    def __init__(
+        self,
+        name: str,
+        look: Callable[[Request | None], None],
+        requests: Requests | None,
+        every: float = LOOK_EVERY,
+    ) -> None:
+        self._look, self._requests, self._every = look, requests, every
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Answer nobody any more."""
+        self._closing.set()
+        self._thread.join(CLOSING_TIME)
+
+    def _run(self) -> None:
+        while not self._closing.is_set():
+            if self._requests is None:
+                self._closing.wait(self._every)
+                self._look(None)
+            else:
+                self._look(self._requests.get(self._every))
+
+
+def refusal(why: str) -> bytes:
+    """The reply to a request that is not done."""
+    return msgspec.json.encode({"ok": False, "error": why})
 
 
 def ask(

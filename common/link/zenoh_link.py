@@ -8,20 +8,21 @@ on a dying link may block.
 import json
 import re
 import threading
-from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 
 import zenoh
 
 from farhand.common.errors import EndpointError
-from farhand.common.link.link import Inbox, Packet
+from farhand.common.link.delivery import CLASSES, class_of
+from farhand.common.link.keyed_inbox import KeyedInbox
+from farhand.common.link.link import Packet
+from farhand.common.link.outbox import Outbox
 from farhand.common.timing.clock import SystemClock
-from farhand.common.timing.executor import request_realtime
+from farhand.common.timing.realtime import request_realtime
 
 LEASE_MS = 1000
 CLIENT_PATIENCE_MS = 10_000
 BLOCK_BEFORE_CLOSE_US = 200_000
-OUTBOX_LIMIT = 256
 CLOSING_TIME = 1.0
 TIMING: tuple[tuple[str, object], ...] = (
     ("transport/link/tx/lease", LEASE_MS),
@@ -29,6 +30,13 @@ TIMING: tuple[tuple[str, object], ...] = (
     ("transport/link/tx/queue/congestion_control/block/wait_before_close", BLOCK_BEFORE_CLOSE_US),
 )
 """How soon a session notices that a link is dead; a router must have the same, or all wait for its 10 s."""
+_HOW = {
+    name: (
+        getattr(zenoh.Priority, row.priority),
+        zenoh.CongestionControl.BLOCK if row.blocks else zenoh.CongestionControl.DROP,
+    )
+    for name, row in CLASSES.items()
+}
 _ENDPOINT = re.compile(r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:]+\]|[A-Za-z0-9_.-]+):(\d{1,5})\Z")
 _LOOPBACK = {"127.0.0.1", "localhost", "[::1]"}
 
@@ -131,30 +139,31 @@ class ZenohLink:
         on_arrival: Callable[[], None] | None = None,
     ) -> None:
         self.session = session
-        self.inbox = Inbox()
-        self.outbox_dropped = 0
+        self.inbox = KeyedInbox()
+        self.outbox = Outbox()
         self.put_errors = 0
         self._clock = clock
         self._on_arrival = on_arrival
-        self._outbox: deque[Packet] = deque()
-        self._condition = threading.Condition()
-        self._closing = False
         self._subscribers = [session.declare_subscriber(key, self._receive) for key in subscribe]
         self._thread = threading.Thread(target=self._publish, name="publisher", daemon=True)
         self._thread.start()
 
     def send(self, packet: Packet) -> None:
-        """Queue a packet for the publishing thread; the oldest goes when 256 are waiting."""
-        with self._condition:
-            if len(self._outbox) >= OUTBOX_LIMIT:
-                self._outbox.popleft()
-                self.outbox_dropped += 1
-            self._outbox.append(packet)
-            self._condition.notify()
+        """Queue a packet for the publishing thread (see Outbox)."""
+        self.outbox.put(packet)
 
     def receive(self) -> list[Packet]:
         """Everything that has arrived since the last call, in order of arrival."""
         return self.inbox.drain()
+
+    def losses(self) -> dict[str, str]:
+        """What was lost for want of a place and each of which counts: a line a kind of loss."""
+        lost = {f"sent {name}": n for name, n in dict(self.outbox.dropped).items()}
+        lost |= {f"arrived {name}": n for name, n in dict(self.inbox.lost).items()}
+        return {
+            kind: f"{n} {kind.partition(' ')[2]} messages were lost here: {_why(kind)}"
+            for kind, n in lost.items()
+        }
 
     def connected(self) -> bool:
         """Whether anybody is connected to the session."""
@@ -163,9 +172,7 @@ class ZenohLink:
 
     def close(self, drain_time: float = 0.5) -> None:
         """Send what is queued (at most `drain_time` s), then close the session."""
-        with self._condition:
-            self._closing = True
-            self._condition.notify()
+        self.outbox.close()
         self._thread.join(drain_time)
         # Closing may block on a link that is dying; whoever closes must not.
         closing = threading.Thread(target=self.session.close, name="closing", daemon=True)
@@ -181,19 +188,20 @@ class ZenohLink:
 
     def _publish(self) -> None:
         request_realtime()
-        while True:
-            with self._condition:
-                while not self._outbox and not self._closing:
-                    self._condition.wait()
-                if not self._outbox:
-                    return
-                packet = self._outbox.popleft()
+        while (packet := self.outbox.pop()) is not None:
+            priority, congestion = _HOW[class_of(packet.key)]
             try:
                 self.session.put(
                     packet.key,
                     packet.payload,
                     express=True,
-                    congestion_control=zenoh.CongestionControl.BLOCK,
+                    priority=priority,
+                    congestion_control=congestion,
                 )
             except zenoh.ZError:
                 self.put_errors += 1
+
+
+def _why(kind: str) -> str:
+    sent = kind.startswith("sent")
+    return "the link is too slow for what is sent" if sent else "more arrives than this program can take"

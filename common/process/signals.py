@@ -5,7 +5,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import FrameType
 
 PARENT_VARIABLE = "FARHAND_PARENT"
@@ -21,14 +21,18 @@ def say(program: str, line: str) -> None:
 
 
 def stop_event_on_signals() -> threading.Event:
-    """An event that SIGINT and SIGTERM set; to be called from the main thread."""
+    """An event that SIGINT, SIGTERM and SIGHUP set; to be called from the main thread.
+
+    A program that was started with SIGHUP ignored, as by nohup, goes on ignoring it.
+    """
     event = threading.Event()
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
         event.set()
 
-    signal.signal(signal.SIGINT, stop)
-    signal.signal(signal.SIGTERM, stop)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, stop)
     return event
 
 
@@ -62,6 +66,7 @@ class PeerWatch:
         stop_event: ends the watch.
         heard: whether anything has come yet; None: not looked at.
         unheard: what to say when somebody is connected but nothing has come for 5 s.
+        troubles: lines about what went wrong, by kind of trouble; each kind is said once.
     """
 
     def __init__(
@@ -72,7 +77,9 @@ class PeerWatch:
         stop_event: threading.Event,
         heard: Callable[[], bool] | None = None,
         unheard: str = "",
+        troubles: Callable[[], Mapping[str, str]] | None = None,
     ) -> None:
+        self._troubles = troubles
         self._heard, self._unheard = heard, unheard
         self._program, self._where, self._connected, self._stop = program, where, connected, stop_event
         self._thread = threading.Thread(target=self._watch, name="peer-watch", daemon=True)
@@ -80,7 +87,12 @@ class PeerWatch:
 
     def _watch(self) -> None:
         waited, said, silent = 0.0, False, 0.0
+        told: set[str] = set()
         while not self._stop.wait(1.0):
+            for kind, line in self._troubles().items() if self._troubles is not None else ():
+                if kind not in told:
+                    told.add(kind)
+                    say(self._program, line)
             if self._connected():
                 if said:
                     say(self._program, f"{self._where}: connected")

@@ -7,7 +7,6 @@ import typer
 
 from farhand.commands.netem_live import register_live_commands
 from farhand.commands.options import InsecureOption, TlsOption
-from farhand.common.errors import InputError
 from farhand.netem.endpoints import DEFAULT_ENDPOINT
 
 netem_app = typer.Typer(
@@ -80,22 +79,15 @@ def netem(
     """Run the emulator; without a sub-command. Ctrl-C ends it and prints what it did."""
     if context.invoked_subcommand is not None:
         return
-    from rich.console import Console
-
     from farhand.commands.netem_options import own_networks
-    from farhand.common.process.security import local_endpoint, secure
-    from farhand.common.trust.zenoh_log import tell_refusals
-    from farhand.netem.main import NetemSettings, run_netem, say, stop_on_signals
+    from farhand.common.process.security import local_endpoint
+    from farhand.netem.settings import NetemSettings
+    from farhand.programs.netem import netem_program
 
     if not listen_operator and not connect_operator:
         listen_operator = local_endpoint(7447, tls)
     if not listen_robot and not connect_robot:
         listen_robot = local_endpoint(7448, tls)
-    ends = [*(connect_operator or ()), *(connect_robot or ())]
-    listened = [endpoint for endpoint in (listen_operator, listen_robot) if endpoint]
-    secure(tls, insecure, ends, listened, say, "netem")
-    if tls:
-        tell_refusals(say)
     settings = NetemSettings(
         certificates=tls,
         robot_networks=own_networks(robot_network or ()),
@@ -114,20 +106,7 @@ def netem(
         ready_file=ready_file or None,
         ready_fd=ready_fd if ready_fd >= 0 else None,
     )
-    if backend == "tc":
-        if robot_network:
-            raise InputError("--backend tc: the kernel does not know robots; leave --robot-network out")
-        from farhand.netem.tc.backend import kernel_emulation
-
-        stop_event = stop_on_signals()
-        with kernel_emulation(settings, tc_operator, tc_robot) as forwarding:
-            run_netem(forwarding, stop_event, Console())
-        return
-    if backend != "message":
-        raise InputError(f"--backend {backend!r}: must be message or tc")
-    if tc_operator or tc_robot:
-        raise InputError("--tc-operator and --tc-robot: only with --backend tc")
-    run_netem(settings, stop_on_signals(), Console())
+    netem_program(settings, insecure=insecure, backend=backend, tc_operator=tc_operator, tc_robot=tc_robot)
 
 
 @netem_app.command()

@@ -60,8 +60,9 @@ def operator(
 
     Ends by itself when the task is finished.
     """
+    from farhand.common.process.outputs import check_writable
     from farhand.common.process.security import local_endpoint
-    from farhand.programs.programs import check_writable, operator_program
+    from farhand.programs.operator import operator_program
 
     chosen = chosen_scenario(
         scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
@@ -101,8 +102,9 @@ def robot(
     router: RouterOption = False,
 ) -> None:
     """The robot's side: watchdog, velocity control, robot. Runs until it is told to end (Ctrl-C)."""
+    from farhand.common.process.outputs import check_writable
     from farhand.common.process.security import local_endpoint
-    from farhand.programs.programs import check_writable, robot_program
+    from farhand.programs.robot import robot_program
 
     chosen = chosen_scenario(scenario, settings)
     check_writable(result, "--result")

@@ -95,12 +95,12 @@ def record_command(
     `farhand trace record --connect tcp/FIRST:7450 --rate 50 --size 300 --seconds 20 --out path.csv`.
     """
     from farhand.commands.trace_tables import in_ms
+    from farhand.common.process.signals import stop_event_on_signals
     from farhand.common.timing.clock import SystemClock
-    from farhand.netem.main import stop_on_signals
     from farhand.netem.recordings.record import RecordSettings, Reflector, record
     from farhand.netem.recordings.write import write_trace
 
-    stop = stop_on_signals()
+    stop = stop_event_on_signals()
     if not connect:
         if not listen:
             raise InputError("give --listen on the one host, and --connect with its endpoint on the other")

@@ -17,7 +17,8 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.report import ControlReport
-from farhand.common.recording.recorder import RecordedRun, TickRecord, read_run
+from farhand.common.recording.reader import RecordedRun, read_run
+from farhand.common.recording.records import TickRecord
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity
@@ -102,14 +103,20 @@ class Replay:
     ticks: list[Tick]
 
     @property
+    def judged(self) -> list[Tick]:
+        """The ticks before the first gap of the recording: what was decided after it follows from ticks that
+        are not there."""
+        return self.ticks[: self.run.whole_ticks]
+
+    @property
     def identical(self) -> bool:
-        """Whether every decision is."""
-        return all(tick.identical for tick in self.ticks)
+        """Whether every decision that can be judged is."""
+        return all(tick.identical for tick in self.judged)
 
     @property
     def first_difference(self) -> Tick | None:
-        """The first tick that is not identical."""
-        return next((tick for tick in self.ticks if not tick.identical), None)
+        """The first judged tick that is not identical."""
+        return next((tick for tick in self.judged if not tick.identical), None)
 
     def other_versions(self) -> dict[str, tuple[str, str]]:
         """What was installed then and is another version now."""
@@ -269,8 +276,11 @@ def to_json(result: Replay) -> str:
     return msgspec.json.encode(
         {
             "ticks": len(result.ticks),
-            "identical": sum(tick.identical for tick in result.ticks),
+            "judged": len(result.judged),
+            "identical": sum(tick.identical for tick in result.judged),
             "complete": result.run.complete,
+            "missing": result.run.missing,
+            "flaws": result.run.flaws(),
             "changed": result.changed,
             "largest_difference": max((tick.difference for tick in result.ticks), default=0.0),
             "first_difference_ns": None if first is None else first.now_ns,

@@ -14,7 +14,9 @@ def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_jso
     """Replay and say what came out; returns 1 when decisions differ though nothing was changed, else 0."""
     console = Console(file=sys.stderr if as_json else sys.stdout, highlight=False)
     result = replay(path, settings)
-    if not result.run.complete:
+    for line in result.run.flaws():
+        console.print(line, style="yellow")
+    if result.run.cut_off:
         console.print(
             f"the file was cut off: {len(result.ticks)} whole ticks are readable of its {result.run.size} bytes",
             style="yellow",
@@ -35,11 +37,15 @@ def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_jso
 
 def _verify(result: Replay, console: Console) -> None:
     first = result.first_difference
-    n = len(result.ticks)
+    n = len(result.judged)
     if first is None:
-        console.print(f"all {n} decisions are identical to the byte", style="green")
+        every = "all" if n == len(result.ticks) else "before the first gap all"
+        console.print(f"{every} {n} decisions are identical to the byte", style="green")
+        if n < len(result.ticks):
+            rest = len(result.ticks) - n
+            console.print(f"the {rest} after it cannot be judged: they follow from ticks that are missing")
         return
-    same = sum(tick.identical for tick in result.ticks)
+    same = sum(tick.identical for tick in result.judged)
     index = result.ticks.index(first)
     fields = ", ".join(differing_fields(first)) or "the command's bytes"
     console.print(f"{same} of {n} decisions are identical; the first other one is tick {index}: {fields}")

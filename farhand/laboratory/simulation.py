@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, TypedDict
 
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
-from farhand.common.recording.recorder import RunInfo, RunRecorder
+from farhand.common.recording.records import RunInfo
+from farhand.common.recording.writer import RunRecorder
 from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
@@ -132,7 +133,6 @@ class _World:
 
     def __init__(self, run: Run, options: Options, closing: ExitStack) -> None:
         self._run = run
-        self._keep_reports = options.get("keep_reports", False)
         self._executor = VirtualExecutor(START_NS)
         self._hasher = hashlib.sha256()
         self._tally, self._reports = Tally(), list[ControlReport]()
@@ -186,18 +186,16 @@ class _World:
         if recorder is not None:
             closing.callback(recorder.close)
         operator.recorder = recorder
+        operator.listeners.append(self._tally.add)
+        if options.get("keep_reports", False):
+            operator.listeners.append(self._reports.append)
         return operator
 
     def _add_nodes(self) -> None:
         executor = self._executor
         executor.add(self._robot, Priority.ROBOT)
         executor.add(self._netem, Priority.NETEM)
-        executor.add(_TallyingOperator(self._operator, self._look), Priority.OPERATOR, _cost(self._run))
-
-    def _look(self, report: ControlReport) -> None:
-        self._tally.add(report)
-        if self._keep_reports:
-            self._reports.append(report)
+        executor.add(self._operator, Priority.OPERATOR, _cost(self._run))
 
     def _operator_result(self, end_ns: int) -> OperatorResult:
         operator, tally = self._operator, self._tally
@@ -215,21 +213,6 @@ class _World:
             solver=self._solver,
             last_report=tally.last,
         )
-
-
-class _TallyingOperator:
-    """The operator node, with its reports looked at after each tick."""
-
-    def __init__(self, node: OperatorNode, look: Callable[[ControlReport], None]) -> None:
-        self._node, self._look = node, look
-        self._seen: ControlReport | None = None
-
-    def step(self, now_ns: int) -> int:
-        next_ns = self._node.step(now_ns)
-        if self._node.report is not None and self._node.report is not self._seen:
-            self._seen = self._node.report
-            self._look(self._seen)
-        return next_ns
 
 
 def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int) -> int:
@@ -270,7 +253,7 @@ def _recorder(path: Path | None, run: Run, session: int) -> RunRecorder | None:
         versions=versions(),
         solver=run.scenario.controller.solver,
     )
-    return RunRecorder(path, info)
+    return RunRecorder(path, info, waits=True)
 
 
 def _hash_traffic(end: MemoryLink, update: Callable[[bytes], None]) -> None:

@@ -11,7 +11,7 @@ from enum import IntEnum
 
 from farhand.common.link.link import MemoryLink, Packet, memory_wire
 from farhand.common.timing.clock import VirtualClock
-from farhand.common.timing.executor import Node
+from farhand.common.timing.node import Node
 
 
 class Priority(IntEnum):

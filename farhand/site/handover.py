@@ -1,16 +1,18 @@
 """Handing control over: the holder's running program is told by `farhand handover` on its own host."""
 
 from collections import deque
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import msgspec
 import zenoh
 
 from farhand.common.errors import FarhandError, InputError
-from farhand.common.link.requests import MAX_REQUEST, Request, Requests, ask
+from farhand.common.link.requests import MAX_REQUEST, Desk, Request, Requests, ask, refusal
 from farhand.common.messages.keys import check_robot_name, handover_key
 from farhand.common.messages.state import RobotState
-from farhand.common.process.signals import say
+from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.slot import NotServedError, Slot
 from farhand.operator_side.supervision import holder_name
 from farhand.site.operator_name import check_name
 
@@ -58,35 +60,51 @@ def choose(state: RobotState | None, session: int, to: str) -> tuple[int, str]:
 
 
 class HandoverServer:
-    """The operator's half of `farhand handover`, and the lines about who asks; told of every tick.
+    """The operator's half of `farhand handover`, and the lines about who asks, in a thread of its own.
+
+    It looks at what the node knows, and changes it through the slot alone.
 
     Args:
         node: the operator's node.
+        slot: served by the node's loop.
+        clock: of this process.
         session: where requests come from, on this host only; None: they cannot.
         robot: the robot's name.
         endpoint: of that session, for the lines.
+        tell: takes a line for people.
     """
 
     def __init__(
-        self, node: "OperatorNode", session: zenoh.Session | None, robot: str, endpoint: str
+        self,
+        node: "OperatorNode",
+        slot: Slot,
+        clock: SystemClock,
+        session: zenoh.Session | None,
+        robot: str,
+        endpoint: str,
+        tell: Callable[[str], None],
     ) -> None:
-        self._node = node
-        self._requests = None if session is None else Requests(session, handover_key(robot))
+        self._node, self._slot, self._say = node, slot, tell
         self._how = "start this program with --report to hand over by `farhand handover`"
         if session is not None:
             self._how = f"`farhand handover --robot {robot} --connect {endpoint}` hands over"
         self._told: deque[int] = deque(maxlen=REMEMBERED_ASKERS)
         self._pending: tuple[Request, int, str] | None = None
         self._give_up_ns = self._tell_ns = 0
+        requests = None if session is None else Requests(session, handover_key(robot))
+        self._desk = Desk("handover", lambda request: self.look(request, clock.now_ns()), requests)
 
-    def serve(self, now_ns: int) -> None:
-        """Look at what has come; in the node's thread, after its tick at `now_ns`."""
+    def close(self) -> None:
+        """Look no more."""
+        self._desk.close()
+
+    def look(self, request: Request | None, now_ns: int) -> None:
+        """Look at what has changed, and at a request if one has come."""
         if now_ns >= self._tell_ns:
             self._tell(now_ns)
         if self._pending is not None and (self._node.successor == 0 or now_ns > self._give_up_ns):
-            self._node.hand_over(0)
             self._conclude(*self._pending)
-        if self._requests is not None and (request := self._requests.pop()) is not None:
+        if request is not None:
             self._begin(request, now_ns)
 
     def _tell(self, now_ns: int) -> None:
@@ -99,7 +117,7 @@ class HandoverServer:
             session, name = new[0]
             self._told.append(session)
             self._tell_ns = now_ns + TELL_PERIOD_NS
-            say("operator", f"{name} asks for control; {self._how}")
+            self._say(f"{name} asks for control; {self._how}")
 
     def _begin(self, request: Request, now_ns: int) -> None:
         try:
@@ -109,27 +127,28 @@ class HandoverServer:
                 raise InputError(f"control is being handed over to {self._pending[2]}")
             to = msgspec.json.decode(request.payload, type=HandoverRequest).to
             session, name = choose(self._node.state, self._node.session, to)
+            self._slot.do(lambda _: self._node.hand_over(session))
         except (FarhandError, msgspec.MsgspecError, ValueError, RecursionError) as error:
-            request.reply(_refusal(str(error)))
+            request.reply(refusal(str(error)))
             return
-        self._node.hand_over(session)
         self._pending, self._give_up_ns = (request, session, name), now_ns + GIVE_UP_NS
 
     def _conclude(self, request: Request, session: int, name: str) -> None:
         self._pending = None
+        try:
+            self._slot.do(lambda _: self._node.hand_over(0))
+        except NotServedError as error:
+            request.reply(refusal(str(error)))
+            return
         state = self._node.state
         if state is not None and state.holder == session:
-            say("operator", f"handed control over to {name}")
+            self._say(f"handed control over to {name}")
             request.reply(msgspec.json.encode({"ok": True, "to": name}))
         elif state is not None and state.holder == self._node.session:
             why = "waits no more" if session not in dict(state.waiting) else "was not confirmed by the robot"
-            request.reply(_refusal(f"{name} {why}; this operator goes on"))
+            request.reply(refusal(f"{name} {why}; this operator goes on"))
         else:
-            request.reply(_refusal(f"control was lost before {name} had it"))
-
-
-def _refusal(why: str) -> bytes:
-    return msgspec.json.encode({"ok": False, "error": why})
+            request.reply(refusal(f"control was lost before {name} had it"))
 
 
 def hand_over(endpoint: str, robot: str, to: str) -> int:

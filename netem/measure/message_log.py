@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from farhand.common.errors import InputError
+from farhand.common.timing.handoff import Handoff
 from farhand.netem.impairments.base import Transit
 
 COLUMNS = "direction,key,ordinal,copy,size,arrived_ns,drawn_ns,assigned_ns,achieved_ns,fate"
 MAX_ROWS = 20_000_000
+WAITING_ROWS = 1 << 16
 _BUFFER = 1 << 20
 
 ROW = np.dtype(
@@ -31,40 +33,88 @@ ROW = np.dtype(
 delay assigned by the whole chain, the delay achieved (-1: dropped), and "delivered" or the cause."""
 
 
+_Row = tuple[str, str, int, bool, int, int, int, int, int, str]
+
+
 class CsvLog:
-    """Writes a row a message; stops at MAX_ROWS.
+    """Writes a row a message, in a thread of its own; stops at MAX_ROWS.
 
     Args:
-        path: the file; raises InputError if it cannot be written.
+        path: the file; raises InputError if it cannot be begun.
+
+    Attributes:
+        missing: rows that are not in the file: they found no place in the queue, or could not be written.
+        trouble: why not, in words; empty if none is missing.
     """
 
     def __init__(self, path: str | Path) -> None:
+        self.trouble = ""
         try:
             self._file: io.TextIOWrapper = open(path, "w", buffering=_BUFFER, encoding="utf-8")  # noqa: SIM115
+            self._file.write(COLUMNS + "\n")
         except OSError as error:
             raise InputError(f"log {path}: cannot be written: {error.strerror}") from None
-        self._file.write(COLUMNS + "\n")
         self._origin_ns: int | None = None
-        self._rows = 0
+        self._taken = 0
+        self._unwritten = 0
+        self._rows: Handoff[_Row] = Handoff(self._write, "message-log", WAITING_ROWS)
+
+    @property
+    def missing(self) -> int:
+        """See the class."""
+        return self._rows.lost + self._unwritten
 
     def record(self, direction: str, transit: Transit, released_ns: int | None) -> None:
-        """Write one message's row."""
-        if self._rows >= MAX_ROWS:
+        """Hand over one message's row; never waits."""
+        if self._taken >= MAX_ROWS:
             return
-        self._rows += 1
+        self._taken += 1
         if self._origin_ns is None:
             self._origin_ns = transit.arrived_ns
-        achieved_ns = -1 if released_ns is None else released_ns - transit.arrived_ns
-        key = transit.packet.key.replace(",", "_").replace("\n", "_")
-        self._file.write(
-            f"{direction},{key},{transit.ordinal},{int(transit.is_copy)},{transit.size},"
-            f"{transit.arrived_ns - self._origin_ns},{transit.delay_ns},"
-            f"{transit.release_ns - transit.arrived_ns},{achieved_ns},{transit.cause or 'delivered'}\n"
+        placed = self._rows.put(
+            (
+                direction,
+                transit.packet.key,
+                transit.ordinal,
+                transit.is_copy,
+                transit.size,
+                transit.arrived_ns - self._origin_ns,
+                transit.delay_ns,
+                transit.release_ns - transit.arrived_ns,
+                -1 if released_ns is None else released_ns - transit.arrived_ns,
+                transit.cause or "delivered",
+            )
         )
+        if not placed and not self.trouble:
+            self.trouble = "the disk is too slow"
+
+    def troubles(self) -> dict[str, str]:
+        """A line for people about what is missing, by kind of trouble."""
+        return {"log": f"--log: {self.missing} rows are missing: {self.trouble}"} if self.missing else {}
 
     def close(self) -> None:
-        """Write the rest."""
-        self._file.close()
+        """Write the rest; never raises, `missing` and `trouble` tell."""
+        self._rows.close()
+        try:
+            self._file.close()
+        except OSError as error:
+            self._fail(error)
+
+    def _write(self, row: _Row) -> None:
+        direction, key, ordinal, is_copy, *rest = row
+        if self._unwritten:  # a file with a hole in the middle of a row is none
+            self._unwritten += 1
+            return
+        key = key.replace(",", "_").replace("\n", "_")
+        cells = (direction, key, ordinal, int(is_copy), *rest)
+        try:
+            self._file.write(",".join(map(str, cells)) + "\n")
+        except OSError as error:
+            self._fail(error)
+
+    def _fail(self, error: OSError) -> None:
+        self._unwritten += 1
+        self.trouble = f"it cannot be written: {error.strerror or error}"
 
 
 def read_log(path: str | Path) -> NDArray[np.void]:

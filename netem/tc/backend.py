@@ -19,9 +19,10 @@ from typing import Any, NamedTuple
 import msgspec
 
 from farhand.common.errors import InputError
+from farhand.common.process.signals import say
 from farhand.common.result_file import read_result, write_result
-from farhand.netem.main import NetemSettings, say
 from farhand.netem.result import KernelCounts, NetemResult
+from farhand.netem.settings import NetemSettings
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.host import HANDLE, Run, claim, find_device, refusal, run_command
 from farhand.netem.tc.words import TABLE, KernelNetwork, kernel_network
@@ -157,12 +158,12 @@ def kernel_emulation(
         [Device(robot_device, uplink, "uplink"), Device(operator_device, downlink, "downlink")], run
     )
     for line in emulation.start():
-        say(line)
+        say("netem", line)
     try:
         yield msgspec.structs.replace(settings, uplink="none", downlink="none")
         counted = emulation.counted()
         for each in counted:
-            say(f"tc on {each.device}: {each.packets} packets, {each.dropped} dropped")
+            say("netem", f"tc on {each.device}: {each.packets} packets, {each.dropped} dropped")
         if settings.stats:
             _append(Path(settings.stats), counted)
     finally:

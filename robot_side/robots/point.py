@@ -15,6 +15,8 @@ class PointRobot(Robot):
         lag: time constant (s); 0 follows at once.
     """
 
+    catches_up = True
+
     def __init__(self, start: Vector3, lag: float) -> None:
         self._position = start
         self._velocity: Vector3 = (0.0, 0.0, 0.0)

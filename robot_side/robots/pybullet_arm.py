@@ -105,6 +105,7 @@ class UR5Robot(ArmWorld, Robot):
 
     joint_names = JOINTS
     model = "ur5"
+    catches_up = True
 
     def __init__(self, scenario: RobotScenario) -> None:
         super().__init__(scenario)

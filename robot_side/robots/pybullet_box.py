@@ -19,6 +19,8 @@ class BoxRobot(Robot):
         start: position (m).
     """
 
+    catches_up = True
+
     def __init__(self, start: Vector3) -> None:
         self._bullet, self._client = connect()
         bullet, client = self._bullet, self._client

@@ -37,11 +37,14 @@ class Robot(ABC):
         Settings: the type of its own settings, read from the table `[robot.NAME]`.
         joint_names: of `RobotSample.joints`, in its order; empty for robots without joints.
         model: name of the model, for those who draw it; empty where there is none.
+        catches_up: whether periods that a late loop missed are stepped one by one afterwards. Right for a
+            simulator, whose time would fall behind; for hardware, whose time went on, it would be a burst.
     """
 
     Settings: ClassVar[type[Section]] = NoSettings
     joint_names: tuple[str, ...] = ()
     model: str = ""
+    catches_up: bool = False
 
     @classmethod
     @abstractmethod

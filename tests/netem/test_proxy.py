@@ -14,7 +14,7 @@ from farhand.common.errors import EndpointError, InputError
 from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import open_session
 from farhand.common.timing.clock import SystemClock
-from farhand.common.timing.executor import RealtimeExecutor
+from farhand.common.timing.loop import RealtimeLoop
 from farhand.netem.check.check import CheckSettings, run_check, start_proxy, stop_proxy
 from farhand.netem.control import ask
 from farhand.netem.emulation import Emulation
@@ -39,7 +39,7 @@ class Rig:
         self.proxy = Proxy(*self.endpoints, clock, self.wake, on_bypass=self.notices.put)
         links = self.proxy.operator_link, self.proxy.robot_link
         self.node = NetemNode(*links, Emulation(parse_spec(spec), parse_spec(spec), 1), instant=clock.now_ns)
-        self.executor = RealtimeExecutor(self.node, clock, message_driven=True, realtime=False)
+        self.executor = RealtimeLoop(self.node, clock, message_driven=True, realtime=False)
         self.thread = threading.Thread(target=self.executor.run)
         self.thread.start()
         self.operator, self.robot = (open_session([endpoint]) for endpoint in self.endpoints)

@@ -6,7 +6,7 @@ from pathlib import Path
 from farhand.common.errors import InputError
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
-from farhand.common.recording.recorder import read_run
+from farhand.common.recording.reader import read_run
 
 LONGEST = 10.0
 MAX_SAMPLES = 100_000

@@ -8,7 +8,8 @@ from farhand.common.link.link import Inbox, Packet
 from farhand.common.messages.echo import Newest
 from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
-from farhand.common.timing.executor import Lateness, Periodic
+from farhand.common.timing.lateness import Lateness
+from farhand.common.timing.periodic import Periodic
 from farhand.testing import command
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
-from farhand.common.recording.recorder import read_run
+from farhand.common.recording.reader import read_run
 from farhand.laboratory.simulation import simulate
 from farhand.runs.scenario import load_scenario
 from farhand.testing import Program, short_task

@@ -8,7 +8,7 @@ import pytest
 
 from farhand.cli import run as run_cli
 from farhand.common.errors import InputError
-from farhand.common.recording.recorder import read_run
+from farhand.common.recording.reader import read_run
 from farhand.laboratory.replay import differing_fields, replay
 from farhand.laboratory.simulation import simulate
 from farhand.runs.scenario import load_scenario, replace_setting

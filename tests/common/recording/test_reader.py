@@ -7,7 +7,9 @@ from farhand.common.errors import RunFileError
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
-from farhand.common.recording.recorder import FORMAT, RunInfo, RunRecorder, read_run
+from farhand.common.recording.reader import read_run
+from farhand.common.recording.records import FORMAT, RunInfo
+from farhand.common.recording.writer import RunRecorder
 from farhand.laboratory.simulation import simulate
 from farhand.testing import report
 

@@ -20,7 +20,8 @@ from farhand.common.messages.keys import (
     state_key,
 )
 from farhand.common.timing.clock import SystemClock
-from farhand.common.timing.executor import Periodic, RealtimeExecutor
+from farhand.common.timing.loop import RealtimeLoop
+from farhand.common.timing.periodic import Periodic
 
 MS = 1_000_000
 
@@ -40,7 +41,7 @@ class Counting:
 @pytest.mark.parametrize("message_driven", [False, True])
 def test_deadlines_are_absolute_and_never_early(message_driven):
     node, clock = Counting(6, 5 * MS), SystemClock()
-    node.executor = RealtimeExecutor(node, clock, message_driven=message_driven, realtime=False)
+    node.executor = RealtimeLoop(node, clock, message_driven=message_driven, realtime=False)
     node.executor.run()
     assert len(node.times) == 6
     assert all(t >= node.times[0] + k * node.period for k, t in enumerate(node.times))
@@ -49,7 +50,7 @@ def test_deadlines_are_absolute_and_never_early(message_driven):
 
 def test_a_message_wakes_a_sleeping_node():
     node, clock = Counting(3, None), SystemClock()
-    executor = node.executor = RealtimeExecutor(node, clock, message_driven=True, realtime=False)
+    executor = node.executor = RealtimeLoop(node, clock, message_driven=True, realtime=False)
     thread = threading.Thread(target=executor.run)
     thread.start()
     while thread.is_alive():
@@ -60,7 +61,7 @@ def test_a_message_wakes_a_sleeping_node():
 
 def test_stop_ends_a_node_that_sleeps_for_ever():
     node = Counting(99, None)
-    executor = RealtimeExecutor(node, SystemClock(), realtime=False)
+    executor = RealtimeLoop(node, SystemClock(), realtime=False)
     thread = threading.Thread(target=executor.run)
     thread.start()
     executor.stop()
@@ -74,7 +75,7 @@ def test_exceptions_of_the_node_pass_through():
             raise ArithmeticError("broken")
 
     with pytest.raises(ArithmeticError, match="broken"):
-        RealtimeExecutor(Broken(), SystemClock(), realtime=False).run()
+        RealtimeLoop(Broken(), SystemClock(), realtime=False).run()
 
 
 def test_two_clocks_of_one_host_are_far_apart():
@@ -157,3 +158,48 @@ def test_geometry():
     centres, radii = np.array([[2.0, 0, 0], [0, 0, 5.0]]), np.array([0.5, 0.1])
     assert sphere_clearance((0, 0, 0), 0.3, centres, radii) == pytest.approx(1.2)
     assert sphere_clearance((0, 0, 0), 0.3, np.zeros((0, 3)), np.zeros(0)) == 1e6
+
+
+class Noting:
+    """A node that reports, and notes in which order all is called."""
+
+    def __init__(self, calls):
+        self.calls, self.listeners = calls, []
+
+    def step(self, now_ns):
+        self.calls.append("step")
+        for listener in self.listeners:
+            listener("report")
+        return now_ns + MS
+
+
+def test_step_then_listeners_then_hooks_until_the_condition_holds():
+    calls = []
+    node = Noting(calls)
+    node.listeners.append(calls.append)
+    loop = RealtimeLoop(node, SystemClock(), realtime=False, until=lambda _: calls.count("after") == 2)
+    loop.before.append(lambda _: calls.append("before"))
+    loop.after.append(lambda _: calls.append("after"))
+    loop.run()
+    assert calls == ["before", "step", "report", "after"] * 2
+    assert loop.ended_ns is not None
+
+
+def test_a_condition_that_holds_at_the_start_lets_no_step_happen():
+    calls = []
+    RealtimeLoop(Noting(calls), SystemClock(), realtime=False, until=lambda _: True).run()
+    assert calls == []
+
+
+@pytest.mark.parametrize("message_driven", [False, True])
+def test_a_condition_is_seen_while_the_node_sleeps(message_driven):
+    node, over = Counting(99, None), threading.Event()
+    loop = RealtimeLoop(
+        node, SystemClock(), message_driven=message_driven, realtime=False, until=lambda _: over.is_set()
+    )
+    thread = threading.Thread(target=loop.run)
+    thread.start()
+    over.set()
+    thread.join(10)
+    assert not thread.is_alive()
+    assert len(node.times) <= 1

@@ -1,0 +1,54 @@
+"""The program `farhand netem`: what it may listen on, who emulates, the emulator in its loop."""
+
+from rich.console import Console
+
+from farhand.common.errors import InputError
+from farhand.common.process.security import secure
+from farhand.common.process.signals import say, stop_event_on_signals
+from farhand.common.trust.zenoh_log import tell_refusals
+from farhand.netem.main import run_netem
+from farhand.netem.settings import NetemSettings
+
+BACKENDS = ("message", "tc")
+
+
+def netem_program(
+    settings: NetemSettings,
+    *,
+    insecure: bool = False,
+    backend: str = "message",
+    tc_operator: str = "",
+    tc_robot: str = "",
+) -> None:
+    """Run the emulator until it is told to end, and print what it did.
+
+    Args:
+        settings: what to do.
+        insecure: whether listening beyond this host without TLS was accepted.
+        backend: `message` (this program) or `tc` (the kernel, on packets).
+        tc_operator, tc_robot: network devices for `tc`; empty: those of the endpoints.
+
+    Raises:
+        InputError: what was asked for does not go together, or cannot be used.
+        ConservationError: at the end, a message is not accounted for.
+    """
+    ends = [*settings.connect_operator, *settings.connect_robot]
+    listened = [endpoint for endpoint in (settings.listen_operator, settings.listen_robot) if endpoint]
+    tls = settings.certificates
+    secure(tls, insecure, ends, listened, lambda line: say("netem", line), "netem")
+    if tls:
+        tell_refusals(lambda line: say("netem", line))
+    if backend == "tc":
+        if settings.robot_networks:
+            raise InputError("--backend tc: the kernel does not know robots; leave --robot-network out")
+        from farhand.netem.tc.backend import kernel_emulation
+
+        stop_event = stop_event_on_signals()
+        with kernel_emulation(settings, tc_operator, tc_robot) as forwarding:
+            run_netem(forwarding, stop_event, Console())
+        return
+    if backend not in BACKENDS:
+        raise InputError(f"--backend {backend!r}: must be {' or '.join(BACKENDS)}")
+    if tc_operator or tc_robot:
+        raise InputError("--tc-operator and --tc-robot: only with --backend tc")
+    run_netem(settings, stop_event_on_signals(), Console())
