@@ -30,10 +30,18 @@ class _Header(msgspec.Struct):
 
 
 def write_result(result: msgspec.Struct, path: Path) -> None:
-    """Write a result, whole or not at all."""
+    """Write a result: whole or not at all, where that can be; a pipe or a device gets it as it is."""
+    text = msgspec.json.format(msgspec.json.encode(result), indent=-1) + b"\n"
+    path = path.resolve()
+    if path.exists() and not path.is_file():
+        path.write_bytes(text)
+        return
     part = path.with_name(f".{path.name}.part")
-    part.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=-1) + b"\n")
-    os.replace(part, path)
+    try:
+        part.write_bytes(text)
+        os.replace(part, path)
+    except PermissionError:  # the file is to be had, its folder is not
+        path.write_bytes(text)
 
 
 def read_result(path: Path, kind: type[Kind]) -> Kind | None:

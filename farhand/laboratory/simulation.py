@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
+import msgspec
+
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.records import RunInfo
@@ -35,7 +37,7 @@ from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
 from farhand.runs.results import RunResults
-from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run, choose_network, read_choice
+from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run
 from farhand.runs.scenario import Scenario
 from farhand.runs.summary import RunSummary, summarise
 
@@ -105,10 +107,8 @@ def simulate(
 
     Raises InputError: a SPEC, a file or the robot's start makes no sense.
     """
-    run = Run(
-        scenario=scenario,
-        network=choose_network(scenario, read_choice(uplink=uplink, downlink=downlink)),
-        seed=seed,
+    run = msgspec.structs.replace(
+        Run.over(scenario, uplink=uplink, downlink=downlink, seed=seed),
         time_limit=time_limit,
         computing_time=(computing_time,),
         timeline=timeline,

@@ -117,6 +117,23 @@ class Run(msgspec.Struct, frozen=True, kw_only=True):
     computing_time: tuple[float, ...] = (COMPUTING_TIME,)
     timeline: str | None = None
 
+    @classmethod
+    def over(
+        cls,
+        scenario: Scenario,
+        network: str | None = None,
+        *,
+        uplink: str | None = None,
+        downlink: str | None = None,
+        seed: int = 0,
+    ) -> "Run":
+        """A run over a network from SPECs; what they leave open is the scenario's, else `none`.
+
+        Raises InputError. For the other fields: `msgspec.structs.replace(run, time_limit=30.0)`.
+        """
+        choice = read_choice(network, uplink, downlink)
+        return cls(scenario=scenario, network=choose_network(scenario, choice), seed=seed)
+
     def check(self) -> None:
         """Raise InputError where its files cannot be used."""
         if self.timeline:

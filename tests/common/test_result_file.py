@@ -1,6 +1,7 @@
 """Results on disk: written whole, read back equal, and refused in one line where they cannot be read."""
 
 import json
+import os
 
 import msgspec
 import pytest
@@ -38,6 +39,36 @@ def test_a_result_comes_back_as_it_was_written(result, tmp_path):
     written = json.loads(path.read_text())
     assert written["version"] == 1
     assert written["written_by"].startswith("farhand ")
+
+
+def test_a_link_stays_a_link_and_a_pipe_a_pipe(tmp_path):
+    (tmp_path / "there").mkdir()
+    link, target = tmp_path / "link.json", tmp_path / "there" / "robot.json"
+    link.symlink_to(target)
+    write_result(ROBOT, link)
+    assert link.is_symlink()
+    assert read_result(target, RobotResult) == ROBOT
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write_result(RobotResult(), pipe)
+        assert msgspec.json.decode(os.read(reader, 65536), type=RobotResult) == RobotResult()
+    finally:
+        os.close(reader)
+    assert pipe.is_fifo()
+
+
+def test_a_file_in_a_folder_of_somebody_else_is_written_all_the_same(tmp_path, monkeypatch):
+    path = tmp_path / "robot.json"
+    path.write_text("old")
+
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "replace", refuse)
+    write_result(ROBOT, path)
+    assert read_result(path, RobotResult) == ROBOT
 
 
 def test_no_file_is_no_result(tmp_path):

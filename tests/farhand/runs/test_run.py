@@ -67,6 +67,14 @@ def test_a_run_travels_between_processes():
     assert pickle.loads(pickle.dumps(run)) == run
 
 
+def test_a_run_over_specs():
+    assert str(Run.over(BOTH).network) == "constant:1 / constant:2"
+    run = Run.over(BOTH, "constant:3", downlink="loss:1%", seed=4)
+    assert (str(run.network), run.seed, run.scenario) == ("constant:3 / loss:1%", 4, BOTH)
+    with pytest.raises(SpecError):
+        Run.over(PLAIN, "constant:")
+
+
 def test_its_table_is_a_scenario_with_the_network_in_force():
     run = Run(scenario=BOTH, network=choose_network(BOTH, read_choice(uplink="loss:1%")))
     again = scenario_from_table(run.table(), "again")
