@@ -65,19 +65,21 @@ def test_measured_traces_replay_the_same_and_the_robot_stays_safe(file):
 
 
 @pytest.mark.parametrize("spec", PROFILES)
-def test_built_in_networks_replay_the_same_and_the_robot_stays_safe(spec):
-    check_twice(spec)
+def test_the_robot_stays_safe_and_arrives_over_built_in_networks(spec):
+    """That these give the same bytes is kept in golden/runs.toml."""
+    check_once(spec)
 
 
 def check_twice(spec: str) -> None:
+    assert check_once(spec) == check_once(spec)
+
+
+def check_once(spec: str) -> str:
     scenario = load_scenario("point-obstacle")
-    first, second = (
-        simulate(scenario, uplink=spec, downlink=spec, seed=5, time_limit=120.0, digest=True)
-        for _ in range(2)
-    )
-    assert first.digest == second.digest
-    assert first.summary.safe
-    assert first.summary.finished, first.summary.why
+    result = simulate(scenario, uplink=spec, downlink=spec, seed=5, time_limit=120.0, digest=True)
+    assert result.summary.safe
+    assert result.summary.finished, result.summary.why
+    return result.digest
 
 
 def test_the_kinematic_box_and_the_rigid_body_agree_on_success():
