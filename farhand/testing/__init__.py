@@ -22,7 +22,7 @@ from farhand.testing.messages import (
     state,
 )
 from farhand.testing.problems import problem
-from farhand.testing.programs import Program, Programs
+from farhand.testing.programs import Program, Programs, ask_farhand
 from farhand.testing.robot import ScriptedRobot
 from farhand.testing.tasks import short_task
 from farhand.testing.witness import Witness
@@ -37,6 +37,7 @@ __all__ = [
     "ScriptedLink",
     "ScriptedRobot",
     "Witness",
+    "ask_farhand",
     "command",
     "description",
     "echo_of",

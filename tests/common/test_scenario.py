@@ -1,7 +1,6 @@
 """Scenarios: what is built in loads, what is wrong is named with its key."""
 
 import math
-from contextlib import suppress
 
 import pytest
 import tomli_w
@@ -176,5 +175,10 @@ SECTIONS = ["name", "start", "targets", "obstacles", "robot", "safety", "control
 @given(st.sampled_from(SECTIONS), values)
 def test_any_value_for_a_key_is_taken_or_a_scenario_error(key, value):
     table = scenario_to_table(parse_scenario(GOOD, "x")) | {key: value}
-    with suppress(ScenarioError):
-        scenario_from_table(table, "x")
+    try:
+        found, line = scenario_from_table(table, "x"), "scenario x: "
+    except ScenarioError as error:
+        found, line = None, str(error)
+    assert line.startswith("scenario x: ")
+    assert "\n" not in line
+    assert found is None or scenario_from_table(scenario_to_table(found), "x") == found

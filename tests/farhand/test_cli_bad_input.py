@@ -63,7 +63,7 @@ def test_every_command_and_option_says_what_it_is(path):
         command = command.commands[name]
     assert command.help
     for parameter in command.params:
-        assert getattr(parameter, "help", "x"), f"{' '.join(path)} {parameter.name}"
+        assert parameter.help, f"{' '.join(path)} {parameter.name}"
 
 
 def test_what_is_built_in_is_listed(capsys):

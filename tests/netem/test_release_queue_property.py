@@ -78,6 +78,11 @@ def drive(spec, messages, limits):
     while (due := node.step(now)) is not None:
         now = max(now, due)
         node.check_conservation()
+    found = msgspec.to_builtins(node.statistics())
+    for name in ("uplink", "downlink"):
+        logged = [released_ns is not None for direction, _, released_ns in log.rows if direction == name]
+        assert logged.count(True) == found[name]["delivered"]
+        assert logged.count(False) == sum(found[name]["dropped"].values())
     return node, log, (operator, robot)
 
 

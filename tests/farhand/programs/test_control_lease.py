@@ -143,7 +143,9 @@ def test_control_of_one_that_fell_silent_is_taken_only_by_a_persons_act(bench):
     before = bench.now
     state = bench.run(20_000)
     assert (state.holder, state.lease_end, state.mode, state.waiting) == (0, "silent", "stopped", ())
-    assert all(s.holder == 7 for s in bench.states if before < s.t_sent_ns < before + 1_800 * MS)
+    meanwhile = [s.holder for s in bench.states if before < s.t_sent_ns < before + 1_800 * MS]
+    assert set(meanwhile) == {7}
+    assert len(meanwhile) >= 89  # 50 a second
     bob = bench.operators[8]
     assert bob.report.stop_reason == "alice lost control without releasing it; acknowledge to take it"
     bob.device.wants = SteeringInput(FORWARD, engaged=True, acknowledge=True)

@@ -4,10 +4,19 @@ import pytest
 
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.scene import Obstacle
-from farhand.testing import OPERATOR_SESSION, ROBOT_SESSION, command, echo_of, report, scene, state
+from farhand.testing import (
+    OPERATOR_SESSION,
+    ROBOT_SESSION,
+    command,
+    description,
+    echo_of,
+    report,
+    scene,
+    state,
+)
 
 
-@pytest.mark.parametrize("build", [state, scene, command, report])
+@pytest.mark.parametrize("build", [state, scene, description, command, report])
 @pytest.mark.parametrize("seq", [0, 1, 1000])
 def test_what_is_built_passes_the_wire(build, seq):
     message = build(seq)
@@ -15,7 +24,7 @@ def test_what_is_built_passes_the_wire(build, seq):
     assert message.seq == seq
 
 
-@pytest.mark.parametrize("build", [state, scene, command, report])
+@pytest.mark.parametrize("build", [state, scene, description, command, report])
 def test_every_field_can_be_said_and_no_other(build):
     usual = build()
     assert build(source="x", session=5, t_sent_ns=3).source == "x"
@@ -28,7 +37,7 @@ def test_every_field_can_be_said_and_no_other(build):
         build(thrust=1.0)
 
 
-@pytest.mark.parametrize("build", [state, scene, command, report])
+@pytest.mark.parametrize("build", [state, scene, description, command, report])
 def test_stamps_follow_the_sequence_number(build):
     stamps = [build(seq).t_sent_ns for seq in range(4)]
     assert stamps[0] < stamps[1] < stamps[2] < stamps[3]

@@ -10,6 +10,8 @@ from farhand.runs.scenario import load_scenario
 from farhand.testing import Program, Programs, short_task
 from farhand.testing.programs import ask_farhand
 
+pytestmark = pytest.mark.realtime
+
 TALKER = """
 import os, sys, threading
 print("result", sys.argv[1:], os.environ.get("MOOD"))

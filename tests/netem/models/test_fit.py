@@ -1,7 +1,5 @@
 """The fit finds what a model was made of, and comes near the quantiles of recordings."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,8 +10,8 @@ from farhand.netem.models.model import DelayModel, Episodes, Jitter
 from farhand.netem.models.profiles import PROFILES, load_model
 from farhand.netem.models.sampler import ModelSampler
 from farhand.netem.recordings.trace import Trace, load_trace
+from tests.netem.recordings.samples.places import SAMPLES, measured
 
-RECORDINGS = Path(__file__).resolve().parents[4] / "shared" / "traces"
 STEP = 0.02
 
 
@@ -104,6 +102,30 @@ def test_a_constant_delay_has_no_jitter():
     assert (model.floor, model.jitter, model.episodes, model.loss) == (pytest.approx(0.1), None, (), 0.0)
 
 
+def quantiles(trace, model):
+    """Fitted and recorded (s) by percent."""
+    step, recorded = trace.duration / len(trace.recorded), trace.summary()
+    fitted = model_quantiles(model, (50, 95, 99), lambda direction: stream(0, direction), step)
+    return {percent: (delay, recorded[f"p{percent}"]) for percent, delay in fitted.items()}
+
+
+@pytest.mark.parametrize("path", SAMPLES, ids=lambda path: path.stem)
+def test_samples_are_met_and_what_they_were_made_of_is_found(path):
+    trace = load_trace(path, gap="ignore")
+    model = fit_model(trace)
+    found = quantiles(trace, model)
+    assert set(found) == {50, 95, 99}
+    for percent, (fitted, recorded) in found.items():
+        assert fitted == pytest.approx(recorded, rel=0.1), percent
+    if path.stem.startswith("vehicle"):
+        assert model.floor == pytest.approx(0.014, abs=0.0005)
+        assert model.jitter.shape * model.jitter.scale == pytest.approx(0.009, rel=0.1)
+        assert [episodes.kind for episodes in model.episodes] == ["hold"]
+    else:
+        assert (model.path, model.episodes) == ("one-way", ())
+        assert model.loss == pytest.approx(np.isnan(trace.recorded).mean())
+
+
 @pytest.mark.parametrize(
     ("file", "profile"),
     [
@@ -113,15 +135,10 @@ def test_a_constant_delay_has_no_jitter():
     ],
 )
 def test_recordings_are_met_and_the_profiles_are_their_fits(file, profile):
-    if not (RECORDINGS / file).exists():
-        pytest.skip("the recordings are not here")
-    trace = load_trace(RECORDINGS / file, gap="ignore")
+    trace = load_trace(measured(file), gap="ignore")
     model = fit_model(trace)
-    summary = trace.summary()
-    step = trace.duration / len(trace.recorded)
-    fitted = model_quantiles(model, (50, 95, 99), lambda direction: stream(0, direction), step)
-    for percent, delay in fitted.items():
-        assert delay == pytest.approx(summary[f"p{percent}"], rel=0.08)
+    for percent, (fitted, recorded) in quantiles(trace, model).items():
+        assert fitted == pytest.approx(recorded, rel=0.08), percent
     built_in = PROFILES[profile].model
     assert built_in.floor == pytest.approx(model.floor, rel=0.01)
     assert built_in.jitter.shape == pytest.approx(model.jitter.shape, rel=0.01)

@@ -99,6 +99,10 @@ EDGES = {
 }
 
 
+HARD = {"inside", "at the very centre", "between two", "sigma above h", "sigma far above h", "radius zero"}
+"""Where a status that is not good is an honest answer."""
+
+
 @pytest.mark.parametrize("settings", ALL)
 @pytest.mark.parametrize("name", EDGES)
 def test_edge_cases_give_a_sound_plan_and_an_honest_status(settings, name):
@@ -106,6 +110,7 @@ def test_edge_cases_give_a_sound_plan_and_an_honest_status(settings, name):
     for _ in range(3):  # cold, then warm
         solution = controller.solve(EDGES[name])
         assert_sound(solution, settings)
+        assert solution.status.good or name in HARD or settings.kind == "pass-through"
         if settings.kind != "one-step" and solution.status.good:
             effective = getattr(controller, "settings", settings)
             violation, _ = rows.worst_violation(EDGES[name], solution.plan, effective)
@@ -128,6 +133,7 @@ def test_500_obstacles(settings):
     problem = scene(centres=away * (radii + rng.uniform(0.08, 1.0, 500))[:, None], radii=radii)
     solution = make_controller(settings).solve(problem)
     assert_sound(solution, settings)
+    assert solution.status.good or settings.solver != "newton" or settings.kind == "pass-through"
     if solution.status.good and settings.kind == "mpc-cbf":
         assert rows.worst_violation(problem, solution.plan, settings)[0] <= 2 * rows.ROW_TOLERANCE
 
@@ -207,8 +213,8 @@ def test_the_sqp_judges_against_obstacles_that_had_no_slot():
     problem = scene(centres=centres, radii=[0.15] * count)
     solution = SqpController(SETTINGS).solve(problem)
     assert_sound(solution, SETTINGS)
-    if solution.status.good:
-        assert rows.worst_violation(problem, solution.plan, SETTINGS)[0] <= rows.ROW_TOLERANCE
+    assert solution.status.good
+    assert rows.worst_violation(problem, solution.plan, SETTINGS)[0] <= rows.ROW_TOLERANCE
 
 
 def test_ipopt_stops_at_its_time_limit():
