@@ -28,6 +28,7 @@ from farhand.common.timing.slot import Slot
 from farhand.netem.action import Action
 from farhand.netem.announcer import Announcer
 from farhand.netem.control import answer
+from farhand.netem.emulation import Emulation
 from farhand.netem.measure.message_log import CsvLog, read_log
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
@@ -218,7 +219,7 @@ class Emulator:
         self.path, clock = tmp_path / "log.csv", SystemClock()
         self.log = CsvLog(self.path)
         spec = parse_spec("constant:1")
-        self.node = NetemNode(operator_end, robot_end, spec, spec, 1, log=self.log)
+        self.node = NetemNode(operator_end, robot_end, Emulation(spec, spec, 1), log=self.log)
         self.over = threading.Event()
         self.loop = RealtimeLoop(
             self.node, clock, message_driven=True, realtime=False, until=lambda _: self.over.is_set()
