@@ -9,6 +9,7 @@ from farhand.common.link.ports import free_ports
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader
+from farhand.runs.run import Run, choose_network, read_choice
 from farhand.runs.run_folder import write_scenario
 from farhand.runs.scenario import load_scenario, replace_setting
 
@@ -22,7 +23,8 @@ def test_both_sides_come_back_and_the_robot_was_stopped_meanwhile(tmp_path):
     scenario = load_scenario("point-obstacle")
     # far targets, so that the task outlasts the test
     scenario = replace_setting(scenario, "targets", [[6.0, 0.0, 0.6], [0.6, 0.0, 0.6]] * 3)
-    settings = str(write_scenario(scenario, tmp_path))
+    run = Run(scenario=scenario, network=choose_network(scenario, read_choice()))
+    settings = str(write_scenario(run, tmp_path))
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
     netem = [
         "netem",
