@@ -10,6 +10,7 @@ from farhand.common.messages.base import SCHEMA
 from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.obstacle_field import ObstacleField
 from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario
 from farhand.testing import ScriptedLink, ScriptedRobot, command, echo_of
@@ -195,6 +196,22 @@ def test_missed_ticks_are_made_good():
     assert late.states[-1].position == pytest.approx(punctual.states[-1].position, abs=1e-12)
     assert late.node.summary().overruns == 4
     assert late.node.summary().ticks == punctual.node.summary().ticks
+
+
+def test_hardware_is_not_stepped_for_ticks_that_were_missed():
+    """Its time went on meanwhile: the missed steps would reach it in one burst."""
+
+    class Hardware(PointRobot):
+        catches_up = False
+
+    bench = Bench(robot=Hardware(SCENARIO.start, 0.1))
+    bench.tick()
+    bench.send(bench.command(plan=((0.2, 0.0, 0.0),) * 9))
+    bench.tick()
+    bench.now += 4 * 20_000_000
+    bench.tick()
+    assert bench.node.summary().overruns == 4
+    assert bench.node.summary().ticks == 3
 
 
 def test_early_wake_up_does_nothing():

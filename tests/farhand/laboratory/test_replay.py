@@ -8,10 +8,15 @@ import pytest
 
 from farhand.cli import run as run_cli
 from farhand.common.errors import InputError
+from farhand.common.link.link import Packet
+from farhand.common.messages.codec import Decoder
+from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import read_run
+from farhand.common.recording.writer import RunRecorder
 from farhand.laboratory.replay import differing_fields, replay
 from farhand.laboratory.simulation import simulate
 from farhand.runs.scenario import load_scenario, replace_setting
+from farhand.testing.disk import ScriptedFile
 
 
 @pytest.fixture(scope="module")
@@ -107,3 +112,30 @@ def test_files_that_hold_nothing_are_refused_in_one_line(tmp_path, content, caps
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert run_cli(["replay", str(tmp_path / "elsewhere")]) == 2
     assert "no such file" in capsys.readouterr().err
+
+
+def test_a_recording_with_a_gap_is_judged_up_to_it_and_says_so(recordings, tmp_path, capsys):
+    """A disk that was full for a while: what came after the gap follows from ticks that are not there."""
+    whole = read_run(recordings["adaptive"])
+    file = ScriptedFile()
+    recorder = RunRecorder(tmp_path / "unused", whole.info, waits=True, file=file)
+    file.fails = lambda number: 200 < number < 260
+    for tick in whole.ticks:
+        packets = [Packet(key, payload, arrived_ns) for key, arrived_ns, payload in tick.packets]
+        recorder.tick(tick.now_ns, packets, tick.command, Decoder(ControlReport).decode_or_raise(tick.report))
+    recorder.close()
+    path = tmp_path / "run.mcap"
+    path.write_bytes(file.read_bytes())
+    result = replay(path)
+    (gap,) = result.run.gaps
+    assert not result.run.complete
+    assert not result.run.cut_off
+    assert len(result.judged) == gap.before < len(result.ticks)
+    assert len(result.ticks) + gap.ticks == len(whole.ticks)
+    assert result.identical
+    assert run_cli(["replay", str(path)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert f"{gap.ticks} ticks are missing after tick {gap.before}" in said
+    assert "No space left on device" in said
+    assert f"before the first gap all {gap.before} decisions are identical to the byte" in said
+    assert "cannot be judged" in said
