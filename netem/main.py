@@ -4,8 +4,9 @@ import os
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Protocol, TypeVar
 
 import msgspec
 from rich.console import Console
@@ -28,12 +29,18 @@ from farhand.netem.measure.message_log import CsvLog
 from farhand.netem.measure.metrics import MetricsServer
 from farhand.netem.measure.report import print_statistics
 from farhand.netem.netem_node import ConservationError, NetemNode
-from farhand.netem.proxy import Proxy
+from farhand.netem.proxy import Meeting, Proxy
 from farhand.netem.result import NetemResult
 from farhand.netem.settings import NetemSettings as NetemSettings
 from farhand.netem.spec import parse_spec
 from farhand.netem.timeline import load_timeline
 
+
+class _Closable(Protocol):
+    def close(self) -> None: ...
+
+
+C = TypeVar("C", bound=_Closable)
 SWITCH_INTERVAL = 0.0002
 """How long another Python thread may keep the emulator's from running (s); 5 ms is Python's own."""
 
@@ -56,104 +63,138 @@ def run_netem(
         InputError: a SPEC, file or endpoint cannot be used.
         ConservationError: at the end, a message is not accounted for.
     """
-    if settings.seed < 0:
-        raise InputError(f"--seed {settings.seed}: must be 0 or more")
-    uplink, downlink = parse_spec(settings.uplink), parse_spec(settings.downlink)
-    schedule = load_timeline(settings.timeline) if settings.timeline else None
-    if settings.control:
-        control_endpoint(settings.control)
-    check_writable(settings.stats, "--stats")
+    _check(settings)
     stop_event = stop_event or threading.Event()
-    folder = load_folder(settings.certificates, "netem") if settings.certificates else None
-    sides = {
-        side: [*settings.tls, *(folder.settings(f"netem-{side}") if folder else ())]
-        for side in ("operator", "robot")
-    }
-    clock, teller = SystemClock(), Teller("netem")
-    loop: RealtimeLoop | None = None
-
-    def wake() -> None:
-        if loop is not None:
-            loop.notify()
-
-    opened: list[Any] = [teller]
-    try:
-        log = CsvLog(settings.log) if settings.log else None
-        if log is not None:
-            opened.append(log)
-        proxy = Proxy(
-            settings.listen_operator,
-            settings.listen_robot,
-            clock,
-            wake,
-            settings.connect_operator,
-            settings.connect_robot,
-            sides["operator"],
-            on_bypass=teller.say,
-            tls_robot=sides["robot"],
-        )
-        opened.append(proxy)
-        answer = answerer("netem", folder.own if folder else None)
-        watched = []
-        for side in (proxy.operator_link, proxy.robot_link):
-            side.announce(alive_key("netem", "netem"), answer, about_key("netem", "netem"))
-            if folder is not None:
-                watched.append(watch_names(side.session, folder, f"netem-{side.name}", teller.say))
-        if folder is not None:
-            opened.append(folder.watch_ends(teller.say))
-        node = NetemNode(
-            proxy.operator_link,
-            proxy.robot_link,
-            Emulation(uplink, downlink, settings.seed, settings.own_networks(), settings.limits),
-            log=log,
-            schedule=schedule,
-            instant=clock.now_ns,
-        )
-        slot = Slot(wake)
-        if settings.control:
-            opened.append(ControlServer(settings.control, node, slot))
-        if settings.metrics:
-            opened.append(MetricsServer(settings.metrics, lambda: look_at(node)))
-        loop = RealtimeLoop(
-            node,
-            clock,
-            message_driven=True,
-            realtime=settings.realtime,
-            until=lambda _: stop_event.is_set(),
-        )
-        loop.before.append(slot.serve)
-        loop.after.append(Announcer(teller.say, node).look)
+    with ExitStack() as closing:
+        program = _Emulator(settings, closing, stop_event)
         _tell_ready(settings)
         if on_ready is not None:
             on_ready()
-        before = sys.getswitchinterval()
-        sys.setswitchinterval(SWITCH_INTERVAL)
-        try:
-            loop.run()
-        finally:
-            sys.setswitchinterval(before)
-    finally:
-        for each in reversed(opened):
-            each.close()
-    if log is not None and log.trouble:
-        say("netem", f"--log {settings.log}: {log.missing} rows are missing: {log.trouble}")
-    statistics = msgspec.structs.replace(
-        node.statistics(),
-        **proxy.statistics(),
-        seed=settings.seed,
-        realtime_priority=loop.has_realtime_priority,
-    )
+        program.run()
+    if program.log is not None and program.log.trouble:
+        say("netem", f"--log {settings.log}: {program.log.missing} rows are missing: {program.log.trouble}")
+    statistics = program.statistics()
     if settings.stats:
         write_result(statistics, Path(settings.stats))
     if console is not None:
         print_statistics(statistics, console)
-    node.check_conservation()
+    program.node.check_conservation()
     if statistics.overflowed:
         raise ConservationError(
             f"netem: {statistics.overflowed} messages were lost before the emulator could take them: "
             "overloaded; these losses were not drawn"
         )
     return statistics
+
+
+class _Emulator:
+    """Everything that runs, opened in order; what is opened is closed by the stack, the last first.
+
+    Args:
+        settings: what to do, checked.
+        closing: where what must be closed is put.
+        stop_event: ends the loop.
+    """
+
+    def __init__(self, settings: NetemSettings, closing: ExitStack, stop_event: threading.Event) -> None:
+        self._settings, self._closing = settings, closing
+        self._clock, self._teller = SystemClock(), self._opened(Teller("netem"))
+        self._loop: RealtimeLoop | None = None
+        schedule = load_timeline(settings.timeline) if settings.timeline else None
+        emulation = Emulation(
+            parse_spec(settings.uplink),
+            parse_spec(settings.downlink),
+            settings.seed,
+            settings.own_networks(),
+            settings.limits,
+        )
+        self.log = self._opened(CsvLog(settings.log)) if settings.log else None
+        self._proxy = self._open_proxy()
+        self.node = NetemNode(
+            self._proxy.operator_link,
+            self._proxy.robot_link,
+            emulation,
+            log=self.log,
+            schedule=schedule,
+            instant=self._clock.now_ns,
+        )
+        slot = Slot(self._wake)
+        if settings.control:
+            self._opened(ControlServer(settings.control, self.node, slot))
+        if settings.metrics:
+            self._opened(MetricsServer(settings.metrics, lambda: look_at(self.node)))
+        self._loop = RealtimeLoop(
+            self.node,
+            self._clock,
+            message_driven=True,
+            realtime=settings.realtime,
+            until=lambda _: stop_event.is_set(),
+        )
+        self._loop.before.append(slot.serve)
+        self._loop.after.append(Announcer(self._teller.say, self.node).look)
+
+    def run(self) -> None:
+        """Emulate until the event is set."""
+        assert self._loop is not None
+        before = sys.getswitchinterval()
+        sys.setswitchinterval(SWITCH_INTERVAL)
+        try:
+            self._loop.run()
+        finally:
+            sys.setswitchinterval(before)
+
+    def statistics(self) -> NetemResult:
+        """What node and proxy counted."""
+        return msgspec.structs.replace(
+            self.node.statistics(),
+            **self._proxy.statistics(),
+            seed=self._settings.seed,
+            realtime_priority=self._loop is not None and self._loop.has_realtime_priority,
+        )
+
+    def _open_proxy(self) -> Proxy:
+        """The two sides, which say who they are and, with certificates, who has no right to be there."""
+        settings = self._settings
+        folder = load_folder(settings.certificates, "netem") if settings.certificates else None
+        operator, robot = (
+            Meeting(listen, connect, (*settings.tls, *(folder.settings(f"netem-{side}") if folder else ())))
+            for side, listen, connect in (
+                ("operator", settings.listen_operator, settings.connect_operator),
+                ("robot", settings.listen_robot, settings.connect_robot),
+            )
+        )
+        tell = self._teller.say
+        proxy = self._opened(Proxy(operator, robot, self._clock, self._wake, on_bypass=tell))
+        answer = answerer("netem", folder.own if folder else None)
+        self._watched: list[object] = []
+        for side in (proxy.operator_link, proxy.robot_link):
+            side.announce(alive_key("netem", "netem"), answer, about_key("netem", "netem"))
+            if folder is not None:
+                self._watched.append(watch_names(side.session, folder, f"netem-{side.name}", tell))
+        if folder is not None:
+            self._opened(folder.watch_ends(tell))
+        return proxy
+
+    def _wake(self) -> None:
+        if self._loop is not None:
+            self._loop.notify()
+
+    def _opened(self, closable: C) -> C:
+        self._closing.callback(closable.close)
+        return closable
+
+
+def _check(settings: NetemSettings) -> None:
+    """Raise InputError for what can be told before anything is opened."""
+    if settings.seed < 0:
+        raise InputError(f"--seed {settings.seed}: must be 0 or more")
+    parse_spec(settings.uplink)
+    parse_spec(settings.downlink)
+    if settings.timeline:
+        load_timeline(settings.timeline)
+    if settings.control:
+        control_endpoint(settings.control)
+    check_writable(settings.stats, "--stats")
 
 
 def _tell_ready(settings: NetemSettings) -> None:

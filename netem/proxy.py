@@ -5,24 +5,43 @@ find each other, and what goes from one side to the other goes through the emula
 both sides is noticed.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
+
+import zenoh
 
 from farhand.common.link.zenoh_link import open_session
 from farhand.common.timing.clock import SystemClock
 from farhand.netem.zenoh_side import ZenohSide
 
 
+@dataclass(frozen=True, slots=True)
+class Meeting:
+    """How one side is met.
+
+    Attributes:
+        listen: endpoint, e.g. tcp/127.0.0.1:7447; empty: none.
+        connect: endpoints to connect to, e.g. of a Zenoh router.
+        extra: further (path, value) session settings, such as certificates.
+    """
+
+    listen: str = ""
+    connect: tuple[str, ...] = ()
+    extra: tuple[tuple[str, object], ...] = ()
+
+    def open(self) -> zenoh.Session:
+        """A session of its own; raises EndpointError."""
+        return open_session(self.connect, [self.listen] if self.listen else (), extra=self.extra)
+
+
 class Proxy:
     """The two sessions.
 
     Args:
-        listen_operator, listen_robot: endpoints, e.g. tcp/127.0.0.1:7447; empty: none.
+        operator, robot: how the two sides are met.
         clock: stamps arrivals.
         wake: called when something has arrived, in a Zenoh thread; must only notify.
-        connect_operator, connect_robot: endpoints to connect to, e.g. of a Zenoh router.
-        tls: further (path, value) session settings for both sessions, such as certificates.
-        tls_robot: the same for the robot's session, where it differs.
         on_bypass: called, in a Zenoh thread, with a line that says who is connected to both sides.
 
     Attributes:
@@ -35,28 +54,22 @@ class Proxy:
 
     def __init__(
         self,
-        listen_operator: str,
-        listen_robot: str,
+        operator: Meeting,
+        robot: Meeting,
         clock: SystemClock,
         wake: Callable[[], None],
-        connect_operator: Sequence[str] = (),
-        connect_robot: Sequence[str] = (),
-        tls: Iterable[tuple[str, object]] | None = None,
         on_bypass: Callable[[str], None] | None = None,
-        tls_robot: Iterable[tuple[str, object]] | None = None,
     ) -> None:
-        extra = list(tls or ())
-        extra_robot = extra if tls_robot is None else list(tls_robot)
         self.bypasses: set[str] = set()
         self._on_bypass = on_bypass
-        operator = open_session(connect_operator, [listen_operator] if listen_operator else (), extra=extra)
+        near = operator.open()
         try:
-            robot = open_session(connect_robot, [listen_robot] if listen_robot else (), extra=extra_robot)
+            far = robot.open()
         except BaseException:
-            operator.close()  # type: ignore[no-untyped-call]
+            near.close()  # type: ignore[no-untyped-call]
             raise
-        self.operator_link = ZenohSide("operator", operator, clock, wake)
-        self.robot_link = ZenohSide("robot", robot, clock, wake)
+        self.operator_link = ZenohSide("operator", near, clock, wake)
+        self.robot_link = ZenohSide("robot", far, clock, wake)
         self.operator_link.open(self._peers_changed)
         self.robot_link.open(self._peers_changed)
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import sysconfig
 import venv
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -34,24 +35,17 @@ class Environment:
         self.empty.mkdir()
         source = folder / "source"
         shutil.copytree(ROOT, source, symlinks=True, ignore=LEFT_OUT)
-        self.wheel = self.build(source, folder / "wheels")
-        self._install(self.wheel)
+        (self.wheel,) = self.install([source], folder / "wheels")
 
-    def build(self, source: Path, wheels: Path) -> Path:
-        """Build the wheel of a package's folder."""
-        wheels.mkdir(exist_ok=True)
-        before = set(wheels.glob("*.whl"))
-        self._pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(wheels), str(source))
-        (made,) = set(wheels.glob("*.whl")) - before
-        return made
-
-    def install(self, source: Path) -> None:
-        """Build and install a package."""
-        self._install(self.build(source, source.parent))
-
-    def _install(self, wheel: Path) -> None:
+    def install(self, sources: Sequence[Path], wheels: Path) -> list[Path]:
+        """Build the wheels of packages' folders into a new folder, and install them; returns the wheels."""
+        self._pip(
+            "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(wheels), *map(str, sources)
+        )
+        made = sorted(wheels.glob("*.whl"))
         # pip counts what the libraries' environment holds as installed here: so it is told where to put it.
-        self._pip("install", "--no-deps", "--no-index", "--target", str(self.packages), str(wheel))
+        self._pip("install", "--no-deps", "--no-index", "--target", str(self.packages), *map(str, made))
+        return made
 
     def _pip(self, *arguments: str) -> None:
         done = subprocess.run(

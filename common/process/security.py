@@ -1,6 +1,7 @@
 """What a program may listen on and connect to: TLS where there are certificates, else this host only."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import zenoh
 
@@ -23,21 +24,43 @@ def local_only(endpoint: str, option: str) -> str:
     return endpoint
 
 
-def secure(
-    tls: str,
-    insecure: bool,
-    connect: Sequence[str],
-    listen: Sequence[str],
-    say: Callable[[str], None],
-    role: str = "",
-    robot: str = "",
-) -> TlsFolder | None:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Access:
+    """How a program meets the others.
+
+    Attributes:
+        connect, listen: endpoints.
+        tls: certificate folder; empty: none.
+        insecure: whether listening beyond this host without TLS was accepted.
+        router: whether what is connected to is a Zenoh router, whose client this program is.
+    """
+
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    tls: str = ""
+    insecure: bool = False
+    router: bool = False
+
+    @property
+    def mode(self) -> str:
+        """The Zenoh mode of the session; raises EndpointError."""
+        if self.router and self.listen:
+            raise EndpointError(
+                f"--listen {self.listen[0]}: a router's client only connects; leave --listen or --router out"
+            )
+        return "client" if self.router else "peer"
+
+    @property
+    def where(self) -> str:
+        """The endpoints, for people."""
+        return ", ".join([*self.connect, *self.listen])
+
+
+def secure(access: Access, say: Callable[[str], None], role: str = "", robot: str = "") -> TlsFolder | None:
     """Check endpoints against what was asked for, and say what the user must know.
 
     Args:
-        tls: certificate folder; empty: none.
-        insecure: whether listening beyond this host without TLS was accepted.
-        connect, listen: endpoints.
+        access: what was asked for.
         say: takes a line for the user.
         role, robot: what the certificate must be of and for; empty: anything.
 
@@ -47,35 +70,38 @@ def secure(
     Raises:
         InputError: an endpoint does not go with the rest, or the folder cannot be used.
     """
-    if tls and insecure:
+    if access.tls and access.insecure:
         raise InputError("--tls and --insecure exclude each other; leave one out")
-    for endpoint in (*connect, *listen):
-        check_endpoint(endpoint)
-        is_tls = endpoint.startswith("tls/")
-        if tls and not is_tls:
-            raise EndpointError(
-                f"endpoint {endpoint}: with --tls it must be tls/{endpoint.partition('/')[2]}"
-            )
-        if is_tls and not tls:
-            raise EndpointError(f"endpoint {endpoint}: needs --tls DIR with this program's certificate")
-    if tls:
-        folder = load_folder(tls, role, robot)
+    for endpoint in (*access.connect, *access.listen):
+        _check_protocol(endpoint, access.tls)
+    if access.tls:
+        folder = load_folder(access.tls, role, robot)
         for line in folder.warnings:
             say(line)
         return folder
-    for endpoint in listen:
+    for endpoint in access.listen:
         if is_loopback(endpoint):
             continue
-        if not insecure:
+        if not access.insecure:
             raise EndpointError(
                 f"endpoint {endpoint}: without TLS whoever reaches it can move the robot; "
                 "use --tls DIR, or --insecure to accept that"
             )
         say(f"INSECURE: whoever reaches {endpoint} can read everything and move the robot")
-    for endpoint in connect:
+    for endpoint in access.connect:
         if not is_loopback(endpoint):
             say(f"INSECURE: what goes to {endpoint} is neither encrypted nor authenticated")
     return None
+
+
+def _check_protocol(endpoint: str, tls: str) -> None:
+    """Raise EndpointError where an endpoint is malformed, or is secured and the program is not, or the reverse."""
+    check_endpoint(endpoint)
+    is_tls = endpoint.startswith("tls/")
+    if tls and not is_tls:
+        raise EndpointError(f"endpoint {endpoint}: with --tls it must be tls/{endpoint.partition('/')[2]}")
+    if is_tls and not tls:
+        raise EndpointError(f"endpoint {endpoint}: needs --tls DIR with this program's certificate")
 
 
 _kept: list[object] = []

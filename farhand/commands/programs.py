@@ -1,7 +1,7 @@
 """Commands that are one program of a system that runs. Heavy modules are imported only where they are used."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,13 +15,15 @@ from farhand.commands.options import (
     RobotOption,
     RouterOption,
     ScenarioOption,
-    SeedOption,
     SetOption,
     SolverOption,
     SteerOption,
     TlsOption,
     chosen_scenario,
 )
+
+if TYPE_CHECKING:
+    from farhand.common.process.security import Access
 
 
 def operator(
@@ -37,7 +39,7 @@ def operator(
     report: Annotated[
         str, typer.Option(help="Publish a report of every tick on this local endpoint, for `farhand watch`.")
     ] = "",
-    seed: SeedOption = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the run, noted in its recording.")] = 0,
     time_limit: Annotated[
         float | None, typer.Option(min=0.1, max=1e6, help="Give up this long after the first motion, s.")
     ] = None,
@@ -61,32 +63,41 @@ def operator(
     Ends by itself when the task is finished.
     """
     from farhand.common.process.outputs import check_writable
-    from farhand.common.process.security import local_endpoint
-    from farhand.programs.operator import operator_program
+    from farhand.programs.operator import OperatorOptions, operator_program
 
     chosen = chosen_scenario(
         scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
     check_writable(record, "--record")
     check_writable(result, "--result")
-    endpoints = connect or ([] if listen else [local_endpoint(7447, tls)])
-    code = operator_program(
-        chosen,
-        name=robot,
-        connect=endpoints,
-        listen=listen or [],
-        report=report or None,
+    options = OperatorOptions(
+        robot=robot,
+        name=name,
         seed=seed,
         time_limit=time_limit,
+        report=report,
         record=record,
         result=result,
         realtime=realtime,
-        tls=tls,
-        insecure=insecure,
-        router=router,
-        operator=name,
     )
-    raise typer.Exit(code)
+    raise typer.Exit(operator_program(chosen, _access(7447, connect, listen, tls, insecure, router), options))
+
+
+def _access(
+    port: int,
+    connect: list[str] | None,
+    listen: list[str] | None,
+    tls: str,
+    insecure: bool,
+    router: bool,
+) -> "Access":
+    """What the options say of how a program meets the others; by default it connects to a port of this host."""
+    from farhand.common.process.security import Access, local_endpoint
+
+    endpoints = connect or ([] if listen else [local_endpoint(port, tls)])
+    return Access(
+        connect=tuple(endpoints), listen=tuple(listen or ()), tls=tls, insecure=insecure, router=router
+    )
 
 
 def robot(
@@ -103,25 +114,12 @@ def robot(
 ) -> None:
     """The robot's side: watchdog, velocity control, robot. Runs until it is told to end (Ctrl-C)."""
     from farhand.common.process.outputs import check_writable
-    from farhand.common.process.security import local_endpoint
-    from farhand.programs.robot import robot_program
+    from farhand.programs.robot import RobotOptions, robot_program
 
     chosen = chosen_scenario(scenario, settings)
     check_writable(result, "--result")
-    endpoints = connect or ([] if listen else [local_endpoint(7448, tls)])
-    raise typer.Exit(
-        robot_program(
-            chosen,
-            name=name,
-            connect=endpoints,
-            listen=listen or [],
-            result=result,
-            realtime=realtime,
-            tls=tls,
-            insecure=insecure,
-            router=router,
-        )
-    )
+    options = RobotOptions(robot=name, result=result, realtime=realtime)
+    raise typer.Exit(robot_program(chosen, _access(7448, connect, listen, tls, insecure, router), options))
 
 
 def handover(

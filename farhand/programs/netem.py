@@ -3,7 +3,7 @@
 from rich.console import Console
 
 from farhand.common.errors import InputError
-from farhand.common.process.security import secure
+from farhand.common.process.security import Access, secure
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.netem.main import run_netem
@@ -34,9 +34,9 @@ def netem_program(
     """
     ends = [*settings.connect_operator, *settings.connect_robot]
     listened = [endpoint for endpoint in (settings.listen_operator, settings.listen_robot) if endpoint]
-    tls = settings.certificates
-    secure(tls, insecure, ends, listened, lambda line: say("netem", line), "netem")
-    if tls:
+    access = Access(connect=tuple(ends), listen=tuple(listened), tls=settings.certificates, insecure=insecure)
+    secure(access, lambda line: say("netem", line), "netem")
+    if access.tls:
         tell_refusals(lambda line: say("netem", line))
     if backend == "tc":
         if settings.robot_networks:

@@ -1,14 +1,16 @@
 """The program `farhand operator`: its sessions and links, the node in its loop, its results at the end."""
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
 from farhand.common.link.zenoh_link import ZenohLink, open_session
+from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import check_robot_name, description_key, scene_key, state_key
 from farhand.common.messages.report import ControlReport
-from farhand.common.process.security import guard, local_only, secure
+from farhand.common.process.security import Access, guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.recording.records import RunInfo
@@ -18,13 +20,15 @@ from farhand.common.timing.clock import SystemClock, processor_seconds
 from farhand.common.timing.slot import Slot
 from farhand.common.trust.tls import TlsFolder
 from farhand.common.trust.zenoh_log import tell_refusals
+from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.main import ReportPublisher, run_operator
+from farhand.operator_side.main import OperatorOutcome, ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
 from farhand.programs.series import Series
-from farhand.programs.sessions import random_session, session_mode
+from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, versions
+from farhand.runs.difference import difference
 from farhand.runs.scenario import Scenario, scenario_to_table
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
@@ -33,16 +37,21 @@ from farhand.site.operator_name import operator_name
 class Course:
     """A listener that keeps what a run's results need, in bounded memory, and has changes of reason said.
 
+    It says, too, where the robot is another one than the scenario says, once a description.
+
     Args:
         node: whose reports it hears.
+        scenario: the operator's own.
         tell: takes a line for people; must not wait.
     """
 
-    def __init__(self, node: OperatorNode, tell: Callable[[str], None]) -> None:
+    def __init__(self, node: OperatorNode, scenario: Scenario, tell: Callable[[str], None]) -> None:
         self.tally = Tally()
         self.series: Series[Sample] = Series()
         self._node, self._tell = node, tell
-        self._said = ""
+        self._scenario = scenario
+        self._said = self._differs = ""
+        self._robot: RobotDescription | None = None
 
     def __call__(self, report: ControlReport) -> None:
         """Hear of one tick."""
@@ -51,113 +60,142 @@ class Course:
         if report.stop_reason != self._said:
             self._said = report.stop_reason
             self._tell(self._said or "driving")
+        robot = self._node.robot
+        if robot is not None and robot is not self._robot:
+            self._robot = robot
+            self._look_at(robot)
+
+    def _look_at(self, robot: RobotDescription) -> None:
+        differs = difference(robot, self._scenario)
+        if differs != self._differs:
+            self._differs = differs
+            if differs:
+                self._tell(differs)
 
 
-def operator_program(
-    scenario: Scenario,
-    *,
-    name: str,
-    connect: Sequence[str],
-    listen: Sequence[str],
-    report: str | None,
-    seed: int,
-    time_limit: float | None,
-    record: Path | None,
-    result: Path | None,
-    realtime: bool = True,
-    tls: str = "",
-    insecure: bool = False,
-    router: bool = False,
-    operator: str = "",
-) -> int:
-    """Run the operator's side; returns 0 if the task was finished, else 1."""
-    check_robot_name(name)
-    mode = session_mode(router, listen)
-    folder = secure(tls, insecure, connect, listen, lambda line: say("operator", line), "operator", name)
-    called = operator_name(operator, folder)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatorOptions:
+    """What `farhand operator` is asked for beside the scenario and how it meets the others.
+
+    Attributes:
+        robot: name of the robot.
+        name: what others call this operator; empty: the certificate's name, else USER@HOST.
+        seed: of the run, for its recording; the operator's side draws nothing.
+        time_limit: after the first motion command (s); None: no limit.
+        report: endpoint of this host for reports and handovers; empty: none.
+        record: file for a recording; None: none.
+        result: JSON file for what happened; None: none.
+        realtime: ask for SCHED_FIFO.
+    """
+
+    robot: str
+    name: str = ""
+    seed: int = 0
+    time_limit: float | None = None
+    report: str = ""
+    record: Path | None = None
+    result: Path | None = None
+    realtime: bool = True
+
+
+def operator_program(scenario: Scenario, access: Access, options: OperatorOptions) -> int:
+    """Run the operator's side; returns 0 if the task was finished, else 1. Raises InputError."""
+    robot = check_robot_name(options.robot)
+    mode = access.mode
+    folder = secure(access, lambda line: say("operator", line), "operator", robot)
+    called = operator_name(options.name, folder)
     stop_event = stop_event_on_signals()
-    clock, session = SystemClock(), random_session()
+    clock = SystemClock()
     with ExitStack() as closing:
         teller = Teller("operator")
         closing.callback(teller.close)
         if folder is not None:
             tell_refusals(teller.say)
-        report_session = open_session(listen=[local_only(report, "--report")]) if report else None
+        report_session = (
+            open_session(listen=[local_only(options.report, "--report")]) if options.report else None
+        )
         controller = make_controller(scenario.controller)
         controller.prepare()  # compiled before anything is connected, so that nothing compiles in a run
-        notice, solver = controller.solver_notice, controller.settings.solver
-        if notice:
-            teller.say(notice)
-        heard = threading.Event()
+        if controller.solver_notice:
+            teller.say(controller.solver_notice)
         extra = folder.settings("operator") if folder else ()
-        link_session = open_session(connect, listen, mode=mode, extra=extra)
-        keys = [state_key(name), scene_key(name), description_key(name)]
-        link = ZenohLink(link_session, keys, clock, heard.set)
+        heard = threading.Event()
+        session = open_session(access.connect, access.listen, mode=mode, extra=extra)
+        keys = [state_key(robot), scene_key(robot), description_key(robot)]
+        link = ZenohLink(session, keys, clock, heard.set)
         closing.callback(link.close)
-        guard(link_session, folder, name, "operator", teller.say)
-        identity = OperatorIdentity(name, session, called)
+        guard(session, folder, robot, "operator", teller.say)
+        identity = OperatorIdentity(robot, random_session(), called)
         node = make_operator(scenario, link, identity, controller, processor_seconds)
-        course = Course(node, teller.say)
+        course = Course(node, scenario, teller.say)
         node.listeners.append(course)
         if report_session is not None:
             report_link = ZenohLink(report_session, [], clock)
             closing.callback(report_link.close)
-            node.listeners.append(ReportPublisher(report_link, name))
+            node.listeners.append(ReportPublisher(report_link, robot))
         slot = Slot()
-        handover = HandoverServer(node, slot, clock, report_session, name, report or "", teller.say)
+        handover = HandoverServer(node, slot, clock, report_session, robot, options.report, teller.say)
         closing.callback(handover.close)
-        recorder = None
-        if record is not None:
-            info = RunInfo(
-                scenario=scenario_to_table(scenario),
-                robot=name,
-                session=session,
-                seed=seed,
-                versions=versions(),
-                solver=solver,
-                operator=called,
-            )
-            recorder = RunRecorder(record, info)
+        recorder = _recorder(options, scenario, identity, controller.settings.solver)
+        if recorder is not None:
             closing.callback(recorder.close)
             node.recorder = recorder
 
         def troubles() -> dict[str, str]:
             return link.losses() | (recorder.troubles() if recorder is not None else {})
 
-        where = ", ".join([*connect, *listen])
-        PeerWatch(
-            "operator",
-            where,
-            link.connected,
-            stop_event,
-            heard.is_set,
-            _unheard(name, folder, router),
-            troubles,
+        unheard = _unheard(robot, folder, access.router)
+        PeerWatch("operator", access.where, link.connected, stop_event, heard.is_set, unheard, troubles)
+        outcome = run_operator(
+            node, clock, stop_event, time_limit=options.time_limit, slot=slot, realtime=options.realtime
         )
-        outcome = run_operator(node, clock, stop_event, time_limit=time_limit, slot=slot, realtime=realtime)
     if recorder is not None and recorder.trouble:
-        say("operator", f"--record {record}: {recorder.missing} ticks are missing: {recorder.trouble}")
-    rtt_mean, rtt_std = node.round_trip.overall()
-    if result is not None:
-        found = OperatorResult(
-            finished=outcome.finished,
-            duration=outcome.duration,
-            rtt_mean=rtt_mean,
-            rtt_std=rtt_std,
-            ticks=course.tally.ticks,
-            interventions=course.tally.interventions,
-            infeasible=course.tally.infeasible,
-            overruns=outcome.overruns,
-            lateness_p99=outcome.lateness_p99,
-            has_realtime_priority=outcome.has_realtime_priority,
-            solver=solver,
-            notice=notice,
-            series=course.series.samples(),
-            last_report=course.tally.last,
+        say(
+            "operator", f"--record {options.record}: {recorder.missing} ticks are missing: {recorder.trouble}"
         )
-        write_result(found, result)
+    if options.result is not None:
+        write_result(_result(node, outcome, course, controller), options.result)
     say("operator", "finished" if outcome.finished else "ended before the last target")
     return 0 if outcome.finished else 1
+
+
+def _recorder(
+    options: OperatorOptions, scenario: Scenario, identity: OperatorIdentity, solver: str
+) -> RunRecorder | None:
+    if options.record is None:
+        return None
+    info = RunInfo(
+        scenario=scenario_to_table(scenario),
+        robot=identity.robot,
+        session=identity.session,
+        seed=options.seed,
+        versions=versions(),
+        solver=solver,
+        operator=identity.name,
+    )
+    return RunRecorder(options.record, info)
+
+
+def _result(
+    node: OperatorNode, outcome: OperatorOutcome, course: Course, controller: Controller
+) -> OperatorResult:
+    rtt_mean, rtt_std = node.round_trip.overall()
+    return OperatorResult(
+        finished=outcome.finished,
+        duration=outcome.duration,
+        rtt_mean=rtt_mean,
+        rtt_std=rtt_std,
+        ticks=course.tally.ticks,
+        interventions=course.tally.interventions,
+        infeasible=course.tally.infeasible,
+        overruns=outcome.overruns,
+        lateness_p99=outcome.lateness_p99,
+        has_realtime_priority=outcome.has_realtime_priority,
+        solver=controller.settings.solver,
+        notice=controller.solver_notice,
+        series=course.series.samples(),
+        last_report=course.tally.last,
+    )
 
 
 def _unheard(name: str, folder: TlsFolder | None, router: bool) -> str:

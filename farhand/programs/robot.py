@@ -1,51 +1,64 @@
 """The program `farhand robot`: its session, its link, the node in its loop."""
 
-from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.keys import check_robot_name, command_key
-from farhand.common.process.security import guard, secure
+from farhand.common.process.security import Access, guard, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.systemd import tell_systemd
 from farhand.common.process.teller import Teller
+from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.zenoh_log import tell_refusals
-from farhand.programs.sessions import session_mode
+from farhand.programs.sessions import random_session
 from farhand.robot_side.main import run_robot
+from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import Scenario
 
 
-def robot_program(
-    scenario: Scenario,
-    *,
-    name: str,
-    connect: Sequence[str],
-    listen: Sequence[str],
-    result: Path | None,
-    realtime: bool = True,
-    tls: str = "",
-    insecure: bool = False,
-    router: bool = False,
-) -> int:
-    """Run the robot's side until it is told to end."""
-    check_robot_name(name)
-    mode = session_mode(router, listen)
-    folder = secure(tls, insecure, connect, listen, lambda line: say("robot", line), "robot", name)
-    teller = Teller("robot")
-    if folder is not None:
-        tell_refusals(teller.say)
-    stop_event = stop_event_on_signals()
-    clock = SystemClock()
-    extra = folder.settings("robot") if folder else ()
-    link = ZenohLink(open_session(connect, listen, mode=mode, extra=extra), [command_key(name)], clock)
-    try:
-        guard(link.session, folder, name, "robot", teller.say)
-        where = ", ".join([*connect, *listen])
-        PeerWatch("robot", where, link.connected, stop_event, troubles=link.losses)
-        watched = tell_systemd(link, stop_event)
-        run_robot(scenario, name, watched, clock, stop_event, result, realtime, teller.say)
-    finally:
-        link.close()
-        teller.close()
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotOptions:
+    """What `farhand robot` is asked for beside the scenario and how it meets the others.
+
+    Attributes:
+        robot: its name, part of the keys.
+        result: JSON file for what happened; None: none.
+        realtime: ask for SCHED_FIFO.
+    """
+
+    robot: str
+    result: Path | None = None
+    realtime: bool = True
+
+
+def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> int:
+    """Run the robot's side until it is told to end.
+
+    Raises InputError for what cannot be used, ScenarioError where the robot cannot stand at the start.
+    """
+    name = check_robot_name(options.robot)
+    mode = access.mode
+    folder = secure(access, lambda line: say("robot", line), "robot", name)
+    stop_event, clock = stop_event_on_signals(), SystemClock()
+    with ExitStack() as closing:
+        teller = Teller("robot")
+        closing.callback(teller.close)
+        if folder is not None:
+            tell_refusals(teller.say)
+        extra = folder.settings("robot") if folder else ()
+        session = open_session(access.connect, access.listen, mode=mode, extra=extra)
+        link = ZenohLink(session, [command_key(name)], clock)
+        closing.callback(link.close)
+        guard(session, folder, name, "robot", teller.say)
+        PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)
+        robot = make_robot(scenario)
+        closing.callback(robot.close)
+        node = RobotNode(scenario, robot, tell_systemd(link, stop_event), name, random_session())
+        result = run_robot(node, clock, stop_event, realtime=options.realtime, say=teller.say)
+    if options.result is not None:
+        write_result(result, options.result)
     return 0

@@ -13,7 +13,7 @@ from farhand.common.link.zenoh_link import open_session
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import PREFIX, robot_of, state_key
 from farhand.common.messages.state import RobotState
-from farhand.common.process.security import secure, tool_place
+from farhand.common.process.security import Access, secure, tool_place
 from farhand.common.process.signals import say
 from farhand.operator_side.supervision import holder_name
 
@@ -23,7 +23,7 @@ STATE_TIME = 1.5
 
 def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = False) -> int:
     """Print who is there; returns 0, or 1 if nobody answered."""
-    folder = secure(tls, False, connect, (), lambda line: say("robots", line))
+    folder = secure(Access(connect=tuple(connect), tls=tls), lambda line: say("robots", line))
     extra = folder.settings(tool_place(folder)) if folder else ()
     session = open_session(connect, mode="client" if router else "peer", extra=extra)
     try:

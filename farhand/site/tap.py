@@ -8,7 +8,7 @@ import zenoh
 
 from farhand.common.errors import InputError
 from farhand.common.link.zenoh_link import open_session
-from farhand.common.process.security import secure, tool_place
+from farhand.common.process.security import Access, secure, tool_place
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.trust.access import readable
 
@@ -29,7 +29,7 @@ def run_tap(endpoint: str, key: str, count: int | None, router: bool = False, tl
 
     With a certificate folder, "**" is everything that the certificate lets its owner read.
     """
-    folder = secure(tls, False, [endpoint], (), lambda line: say("tap", line))
+    folder = secure(Access(connect=(endpoint,), tls=tls), lambda line: say("tap", line))
     try:
         zenoh.KeyExpr(key)
     except zenoh.ZError as error:

@@ -30,8 +30,8 @@ def extended(installed, tmp_path_factory):
         path = folder / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    for package in sorted({name.partition("/")[0] for name, _ in FILES}):
-        installed.install(folder / package)
+    packages = sorted({name.partition("/")[0] for name, _ in FILES})
+    installed.install([folder / package for package in packages], folder / "wheels")
     return installed
 
 

@@ -19,7 +19,7 @@ from farhand.netem.check.check import CheckSettings, run_check, start_proxy, sto
 from farhand.netem.control import ask
 from farhand.netem.emulation import Emulation
 from farhand.netem.netem_node import NetemNode
-from farhand.netem.proxy import Proxy
+from farhand.netem.proxy import Meeting, Proxy
 from farhand.netem.spec import parse_spec
 
 pytestmark = pytest.mark.realtime
@@ -36,7 +36,7 @@ class Rig:
         self.endpoints = [f"tcp/127.0.0.1:{port}" for port in ports]
         clock = SystemClock()
         self.executor = None
-        self.proxy = Proxy(*self.endpoints, clock, self.wake, on_bypass=self.notices.put)
+        self.proxy = Proxy(*map(Meeting, self.endpoints), clock, self.wake, on_bypass=self.notices.put)
         links = self.proxy.operator_link, self.proxy.robot_link
         self.node = NetemNode(*links, Emulation(parse_spec(spec), parse_spec(spec), 1), instant=clock.now_ns)
         self.executor = RealtimeLoop(self.node, clock, message_driven=True, realtime=False)
@@ -174,7 +174,7 @@ def test_who_is_on_both_sides_is_noticed(rig):
 
 def test_a_taken_port_is_one_line(rig):
     with pytest.raises(EndpointError, match="already in use"):
-        Proxy(*rig.endpoints, SystemClock(), lambda: None)
+        Proxy(*map(Meeting, rig.endpoints), SystemClock(), lambda: None)
 
 
 def test_check_of_the_real_proxy():

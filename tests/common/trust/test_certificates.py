@@ -10,7 +10,7 @@ import pytest
 
 from farhand.common.errors import CertificateError, EndpointError, InputError
 from farhand.common.link.presence import answerer
-from farhand.common.process.security import secure
+from farhand.common.process.security import Access, secure
 from farhand.common.timing.clock import utc_seconds
 from farhand.common.trust.access import access_control
 from farhand.common.trust.certificate import read_certificate
@@ -149,18 +149,27 @@ def test_settings_nest_into_a_router_configuration(authority):
 
 def test_without_tls_only_this_host(authority):
     said = []
-    assert secure("", False, ["tcp/127.0.0.1:7447"], ["tcp/127.0.0.1:7448"], said.append) is None
+    assert (
+        secure(
+            Access(connect=("tcp/127.0.0.1:7447",), listen=("tcp/127.0.0.1:7448",)),
+            said.append,
+        )
+        is None
+    )
     assert said == []
     with pytest.raises(EndpointError, match="--insecure"):
-        secure("", False, [], ["tcp/0.0.0.0:7447"], said.append)
-    secure("", True, [], ["tcp/0.0.0.0:7447"], said.append)
+        secure(Access(listen=("tcp/0.0.0.0:7447",)), said.append)
+    secure(Access(insecure=True, listen=("tcp/0.0.0.0:7447",)), said.append)
     assert "INSECURE" in said[-1]
     with pytest.raises(EndpointError, match="needs --tls"):
-        secure("", False, ["tls/127.0.0.1:7447"], [], said.append)
+        secure(Access(connect=("tls/127.0.0.1:7447",)), said.append)
     with pytest.raises(EndpointError, match="must be tls/"):
-        secure(str(authority / "netem.lab"), False, ["tcp/127.0.0.1:7447"], [], said.append)
+        secure(
+            Access(tls=str(authority / "netem.lab"), connect=("tcp/127.0.0.1:7447",), listen=()),
+            said.append,
+        )
     with pytest.raises(InputError, match="exclude"):
-        secure(str(authority / "netem.lab"), True, [], [], said.append)
+        secure(Access(tls=str(authority / "netem.lab"), insecure=True), said.append)
 
 
 def test_folders_are_their_owners_alone(tmp_path):

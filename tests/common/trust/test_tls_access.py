@@ -12,7 +12,7 @@ from farhand.common.link.zenoh_link import open_session
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.tls import TlsFolder, load_folder, read_certificate, watch_names
 from farhand.netem.check.check import free_ports
-from farhand.netem.proxy import Proxy
+from farhand.netem.proxy import Meeting, Proxy
 from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.site.doctor.doctor import examine
@@ -42,12 +42,10 @@ class Rig:
         self.arrived = []
         self.wakened = threading.Event()
         self.proxy = Proxy(
-            self.operator_side,
-            self.robot_side,
+            Meeting(self.operator_side, extra=tuple(own.settings("netem-operator"))),
+            Meeting(self.robot_side, extra=tuple(own.settings("netem-robot"))),
             SystemClock(),
             self.wakened.set,
-            tls=own.settings("netem-operator"),
-            tls_robot=own.settings("netem-robot"),
         )
         self.watch = watch_names(self.proxy.operator_link.session, own, "netem-operator", self.say)
         self.sessions = []

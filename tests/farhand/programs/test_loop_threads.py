@@ -38,6 +38,8 @@ from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.programs.operator import Course
 from farhand.programs.wiring import make_operator
 from farhand.robot_side.main import run_robot
+from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario, replace_setting
 from farhand.site.handover import HandoverServer
 from farhand.testing.disk import ScriptedFile
@@ -140,7 +142,13 @@ def test_the_robots_loop(watch):
     far, link = memory_wire()
     stop, teller = threading.Event(), Teller("robot")
     thread, failed = in_loop_thread(
-        lambda: run_robot(settings, "r", link, SystemClock(), stop, None, False, teller.say)
+        lambda: run_robot(
+            RobotNode(settings, make_robot(settings), link, "r", 9),
+            SystemClock(),
+            stop,
+            realtime=False,
+            say=teller.say,
+        )
     )
     wait_until(far.receive)  # the robot is made, and its loop turns
     watched.on = True
@@ -169,7 +177,7 @@ def test_the_operators_loop(watch):
     controller.prepare()
     node = make_operator(settings, link, OperatorIdentity("r", 7, "o"), controller)
     watched, teller = watch(), Teller("operator")
-    course = Course(node, teller.say)
+    course = Course(node, settings, teller.say)
     node.listeners += [course, ReportPublisher(report_end, "r")]
     node.recorder = RunRecorder(None, INFO, file=disk)
     disk.threads.clear()

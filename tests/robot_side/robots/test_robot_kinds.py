@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.robot_side.main import run_robot
+from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.pybullet_box import SIZE, BoxRobot
 from farhand.robot_side.robots.registry import make_robot
@@ -137,9 +139,10 @@ def test_program_runs_until_told_and_writes_its_summary(tmp_path):
 
     link = ScriptedLink("r1", on_send=answer)
     file = tmp_path / "robot.json"
-    summary = run_robot(
-        load_scenario("point-obstacle"), "r1", link, SystemClock(), stop, file, realtime=False
-    )
+    scenario = load_scenario("point-obstacle")
+    node = RobotNode(scenario, make_robot(scenario), link, "r1", 9)
+    summary = run_robot(node, SystemClock(), stop, realtime=False)
+    write_result(summary, file)
     assert len(states) == 10
     assert states[-1].mode == "run"
     written = json.loads(file.read_text())
