@@ -17,6 +17,7 @@ check: .venv
 	@.venv/bin/ruff format --check .
 	@.venv/bin/mypy
 	@.venv/bin/lint-imports
+	@.venv/bin/python scripts/import_circles.py
 
 bench: .venv
 	@.venv/bin/python -m benchmarks $(ARGS)

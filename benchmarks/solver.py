@@ -35,7 +35,7 @@ PATIENT = structs.replace(SETTINGS, wall_time_limit=10.0)
 FIRST_CALL = """
 from farhand.common.timing.clock import processor_seconds
 start = processor_seconds()
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.registry import make_controller
 make_controller(ControllerSettings()).prepare()
 print(processor_seconds() - start)

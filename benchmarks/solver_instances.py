@@ -7,7 +7,7 @@ import numpy as np
 from farhand.common.seeds import stream
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 COUNTS = (0, 1, 2, 3, 5, 10, 20, 50, 100)
 SETTINGS = ControllerSettings()

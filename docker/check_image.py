@@ -8,7 +8,7 @@ import msgspec
 
 from farhand.cli import run
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario
 

@@ -44,23 +44,23 @@ if TYPE_CHECKING:
     from farhand.operator_side.control.controller import ControlProblem as ControlProblem
     from farhand.operator_side.control.controller import ControlSolution as ControlSolution
     from farhand.operator_side.control.controller import Status as Status
+    from farhand.operator_side.control.settings import ControllerSettings as ControllerSettings
     from farhand.operator_side.margins.law import Margin as Margin
     from farhand.operator_side.margins.law import MarginInput as MarginInput
     from farhand.operator_side.margins.law import MarginLaw as MarginLaw
+    from farhand.operator_side.margins.settings import MarginSettings as MarginSettings
     from farhand.operator_side.prediction.law import Known as Known
     from farhand.operator_side.prediction.law import Prediction as Prediction
     from farhand.operator_side.prediction.law import StatePredictor as StatePredictor
-    from farhand.operator_side.settings import ControllerSettings as ControllerSettings
-    from farhand.operator_side.settings import MarginSettings as MarginSettings
     from farhand.operator_side.settings import OperatorSettings as OperatorSettings
     from farhand.operator_side.steering.device import SteeringDevice as SteeringDevice
     from farhand.operator_side.steering.device import SteeringInput as SteeringInput
     from farhand.operator_side.steering.device import View as View
     from farhand.robot_side.robots.robot import Robot as Robot
     from farhand.robot_side.robots.robot import RobotSample as RobotSample
-    from farhand.robot_side.settings import RobotScenario as RobotScenario
-    from farhand.robot_side.settings import RobotSettings as RobotSettings
-    from farhand.robot_side.settings import SafetySettings as SafetySettings
+    from farhand.robot_side.robots.settings import RobotScenario as RobotScenario
+    from farhand.robot_side.robots.settings import RobotSettings as RobotSettings
+    from farhand.robot_side.safety.settings import SafetySettings as SafetySettings
     from farhand.runs.run import Run as Run
     from farhand.runs.scenario import Scenario as Scenario
     from farhand.runs.scenario import load_scenario as load_scenario
@@ -111,17 +111,17 @@ _HOME = {
     "Known": "operator_side.prediction.law",
     "Prediction": "operator_side.prediction.law",
     "StatePredictor": "operator_side.prediction.law",
-    "ControllerSettings": "operator_side.settings",
-    "MarginSettings": "operator_side.settings",
+    "ControllerSettings": "operator_side.control.settings",
+    "MarginSettings": "operator_side.margins.settings",
     "OperatorSettings": "operator_side.settings",
     "SteeringDevice": "operator_side.steering.device",
     "SteeringInput": "operator_side.steering.device",
     "View": "operator_side.steering.device",
     "Robot": "robot_side.robots.robot",
     "RobotSample": "robot_side.robots.robot",
-    "RobotScenario": "robot_side.settings",
-    "RobotSettings": "robot_side.settings",
-    "SafetySettings": "robot_side.settings",
+    "RobotScenario": "robot_side.robots.settings",
+    "RobotSettings": "robot_side.robots.settings",
+    "SafetySettings": "robot_side.safety.settings",
     "Run": "runs.run",
     "Scenario": "runs.scenario",
     "load_scenario": "runs.scenario",

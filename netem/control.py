@@ -16,8 +16,8 @@ from farhand.common.link.zenoh_link import check_endpoint, is_loopback, open_ses
 from farhand.common.timing.slot import Slot
 from farhand.netem.action import Action
 from farhand.netem.endpoints import DEFAULT_ENDPOINT
+from farhand.netem.measure.result import NetemResult
 from farhand.netem.netem_node import NetemNode
-from farhand.netem.result import NetemResult
 
 KEY = "farhand/netem/control"
 LOOKS = 20

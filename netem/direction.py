@@ -8,9 +8,9 @@ from farhand.common.messages.keys import robot_of
 from farhand.netem.chain import Chain
 from farhand.netem.emulation import Emulation
 from farhand.netem.measure.flow_statistics import FlowStatistics
+from farhand.netem.measure.result import DirectionResult
 from farhand.netem.measure.round_trips import MAX_ROBOTS
 from farhand.netem.release_queue import ReleaseQueue
-from farhand.netem.result import DirectionResult
 from farhand.netem.spec import Spec
 
 

@@ -28,9 +28,9 @@ from farhand.netem.emulation import Emulation
 from farhand.netem.measure.message_log import CsvLog
 from farhand.netem.measure.metrics import MetricsServer
 from farhand.netem.measure.report import print_statistics
+from farhand.netem.measure.result import NetemResult
 from farhand.netem.netem_node import ConservationError, NetemNode
 from farhand.netem.proxy import Meeting, Proxy
-from farhand.netem.result import NetemResult
 from farhand.netem.settings import NetemSettings as NetemSettings
 from farhand.netem.spec import parse_spec
 from farhand.netem.timeline import load_timeline

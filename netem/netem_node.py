@@ -17,8 +17,8 @@ from farhand.netem.envelope import MustArrive
 from farhand.netem.impairments.base import Transit
 from farhand.netem.measure.flow_statistics import FlowStatistics
 from farhand.netem.measure.histogram import Histogram
+from farhand.netem.measure.result import NetemResult
 from farhand.netem.measure.round_trips import MAX_ROBOTS, CommandMark, EchoMark, RoundTrips
-from farhand.netem.result import NetemResult
 
 DIRECTIONS = ("uplink", "downlink")
 RETRANSMISSION_NS = 200_000_000

@@ -53,7 +53,7 @@ class Publication:
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class RelayedQuery:
     """Envelope of a query. Zenoh ends the query when the last reference to it is gone, so every envelope
     that may still bring a reply holds one, and a lost request or reply needs no book-keeping."""
 
@@ -149,7 +149,7 @@ class ZenohSide:
                 self._publish(packet, envelope)
             elif isinstance(envelope, Token):
                 self._declare(packet.key, envelope)
-            elif isinstance(envelope, Request):
+            elif isinstance(envelope, RelayedQuery):
                 self._ask(packet, envelope)
             elif isinstance(envelope, Answer):
                 _answer(packet, envelope)
@@ -173,7 +173,9 @@ class ZenohSide:
 
     def _query(self, query: zenoh.Query) -> None:
         payload = query.payload
-        request = Request(query, str(query.selector), payload is not None, query.encoding, query.attachment)
+        request = RelayedQuery(
+            query, str(query.selector), payload is not None, query.encoding, query.attachment
+        )
         self._put(str(query.key_expr), payload.to_bytes() if payload is not None else b"", request)
 
     def _liveliness(self, sample: zenoh.Sample) -> None:
@@ -221,7 +223,7 @@ class ZenohSide:
             self._tokens[key].undeclare()
             del self._tokens[key]
 
-    def _ask(self, packet: Packet, envelope: Request) -> None:
+    def _ask(self, packet: Packet, envelope: RelayedQuery) -> None:
         query = envelope.query
 
         def reply(reply: zenoh.Reply) -> None:

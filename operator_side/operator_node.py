@@ -12,7 +12,7 @@ from typing import Protocol
 
 from farhand.common.geometry import norm, to_vector3
 from farhand.common.link.link import Link, Packet
-from farhand.common.messages.base import Vector3
+from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.codec import encode
 from farhand.common.messages.command import CommandMode, VelocityCommand
 from farhand.common.messages.description import RobotDescription
@@ -25,7 +25,7 @@ from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.perception import Perception
-from farhand.operator_side.prediction.command_history import ZERO, CommandHistory
+from farhand.operator_side.prediction.command_history import CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
 from farhand.operator_side.prediction.law import Known, Prediction, StatePredictor
 from farhand.operator_side.prediction.registry import PREDICTORS

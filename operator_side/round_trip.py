@@ -95,7 +95,3 @@ class RoundTrip:
             return 0.0
         present = len({seq for seq in self._state_seqs if low <= seq <= high})
         return max(0.0, 1.0 - present / (high - low + 1))
-
-    def forget_unanswered(self) -> None:
-        """Start anew after the conversation was interrupted on purpose."""
-        self._sent.clear()

@@ -12,9 +12,9 @@ from farhand.common.messages.state import RobotState
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import eased
 from farhand.operator_side.control.controller import Controller, ControlProblem, ControlSolution, zero_plan
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.law import Margin
 from farhand.operator_side.prediction.law import Prediction
-from farhand.operator_side.settings import ControllerSettings
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,68 +1,12 @@
-"""The settings that the operator's side owns, and what it reads of a scenario."""
+"""The settings of the rest of the operator's side, and what it reads of a scenario."""
 
-from typing import Annotated, Protocol
+from typing import Protocol
 
-from msgspec import Meta
-
-from farhand.common.messages.base import NonNegative, Positive
-from farhand.common.scenario.section import Fraction, KindSection, Section
-
-
-class ControllerSettings(KindSection, frozen=True, kw_only=True):
-    """The safety filter; defaults are the paper's (arXiv 2403.18650).
-
-    Attributes:
-        kind: which controller.
-        solver: which solver for `mpc-cbf`.
-        horizon: N, steps.
-        period: dt, s; also the period of the operator's tick.
-        q, r, p, s: weights of tracking, effort, terminal tracking, smoothness.
-        p_omega: weight of the relaxation of the decay rate.
-        gamma: decay rate of the discrete barrier, in (0, 1].
-        d_min: distance to keep (m).
-        speed_limit: u_b for each axis (m/s).
-        max_iterations: cap on solver iterations.
-        wall_time_limit: for solvers that may run away (s).
-    """
-
-    kind: str = "mpc-cbf"
-    solver: str = "newton"
-    horizon: Annotated[int, Meta(ge=1, le=100)] = 10
-    period: Annotated[float, Meta(ge=0.002, le=1)] = 0.1
-    q: NonNegative = 10.0
-    r: Positive = 1.0
-    p: Positive = 10.0
-    s: NonNegative = 10.0
-    p_omega: Positive = 100.0
-    gamma: Fraction = 0.5
-    d_min: NonNegative = 0.01
-    speed_limit: tuple[Positive, Positive, Positive] = (0.3, 0.3, 0.3)
-    max_iterations: Annotated[int, Meta(ge=1, le=10_000)] = 30
-    wall_time_limit: Positive = 0.08
-
-
-class MarginSettings(KindSection, frozen=True, kw_only=True):
-    """Safety margins; what a law alone needs is in the table named after it.
-
-    Attributes:
-        kind: which law.
-        rtt_window: samples of the round-trip statistics.
-        innovation_window: samples of the innovation maximum.
-    """
-
-    kind: str = "adaptive"
-    rtt_window: Annotated[int, Meta(ge=2, le=10_000)] = 30
-    innovation_window: Annotated[int, Meta(ge=1, le=100_000)] = 100
-
-
-class SteeringSettings(KindSection, frozen=True, kw_only=True):
-    """What steers; what a device alone needs is in the table named after it.
-
-    Attributes:
-        kind: which device.
-    """
-
-    kind: str = "tester"
+from farhand.common.messages.base import Positive
+from farhand.common.scenario.section import Section
+from farhand.operator_side.control.settings import ControllerSettings
+from farhand.operator_side.margins.settings import MarginSettings
+from farhand.operator_side.steering.settings import SteeringSettings
 
 
 class OperatorSettings(Section, frozen=True, kw_only=True):

@@ -1,1 +1,1 @@
-"""The robot side: watchdog, guard, velocity control, robot."""
+"""The robot side: safety (intake, watchdog, lease, plan), velocity control, robots."""

@@ -13,6 +13,7 @@ import math
 from collections.abc import Sequence
 
 from farhand.common.link.link import Link, Packet
+from farhand.common.messages.base import ZERO
 from farhand.common.messages.codec import encode
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import description_key, scene_key, state_key
@@ -22,11 +23,10 @@ from farhand.common.timing.periodic import Periodic
 from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.result import RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
+from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.run_statistics import RunStatistics
 from farhand.robot_side.safety.command_intake import CommandIntake
-from farhand.robot_side.safety.plan import ZERO
 from farhand.robot_side.safety.watchdog import Watchdog
-from farhand.robot_side.settings import RobotScenario
 
 SECOND_NS = 1_000_000_000
 CATCH_UP_NS = 100_000_000  # a simulator makes good for at most this much lost time a tick

@@ -16,6 +16,7 @@ Positive = Annotated[float, Meta(gt=0, le=1e6)]
 NonNegative = Annotated[float, Meta(ge=0, le=1e6)]
 Vector3 = tuple[Real, Real, Real]
 Quaternion = tuple[Real, Real, Real, Real]
+ZERO: Vector3 = (0.0, 0.0, 0.0)
 Stamp = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 Duration = Annotated[int, Meta(ge=0, le=2**62)]
 # Names are shown on terminals: no control characters, and nothing that turns the direction of writing.

@@ -3,17 +3,8 @@
 import random
 import time
 from datetime import datetime, timedelta, timezone
-from typing import Protocol
 
 NANOSECONDS_PER_SECOND = 1_000_000_000
-
-
-class Clock(Protocol):
-    """A monotonic clock in integer nanoseconds with an arbitrary origin."""
-
-    def now_ns(self) -> int:
-        """Current instant in ns."""
-        ...
 
 
 class SystemClock:

@@ -38,7 +38,7 @@ def show(
 
     from farhand.netem.control import ask
     from farhand.netem.measure.report import print_statistics
-    from farhand.netem.result import NetemResult
+    from farhand.netem.measure.result import NetemResult
 
     statistics = ask(control, {"do": "show"})["statistics"]
     if as_json:

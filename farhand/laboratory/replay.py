@@ -69,7 +69,7 @@ class RecordedSteering(SteeringDevice):
 
 
 @dataclass(frozen=True)
-class Tick:
+class ReplayedTick:
     """Attributes:
     now_ns: beginning of the tick, operator's clock.
     recorded, decided: the report of then and of now.
@@ -100,10 +100,10 @@ class Replay:
     run: RecordedRun
     scenario: Scenario
     changed: bool
-    ticks: list[Tick]
+    ticks: list[ReplayedTick]
 
     @property
-    def judged(self) -> list[Tick]:
+    def judged(self) -> list[ReplayedTick]:
         """The ticks before the first gap of the recording: what was decided after it follows from ticks that
         are not there."""
         return self.ticks[: self.run.whole_ticks]
@@ -114,7 +114,7 @@ class Replay:
         return all(tick.identical for tick in self.judged)
 
     @property
-    def first_difference(self) -> Tick | None:
+    def first_difference(self) -> ReplayedTick | None:
         """The first judged tick that is not identical."""
         return next((tick for tick in self.judged if not tick.identical), None)
 
@@ -179,7 +179,7 @@ def replay(
         if node.report is None:
             raise RunFileError(f"run {path}: tick {number}: its instants are not those of a control loop")
         same = link.sent == record.command and encode(node.report) == record.report
-        ticks.append(Tick(record.now_ns, recorded, node.report, same))
+        ticks.append(ReplayedTick(record.now_ns, recorded, node.report, same))
         if changed and command is not None:
             node.correct(command)
     return Replay(run, scenario, changed, ticks)
@@ -204,7 +204,7 @@ def _packets(record: TickRecord) -> list[Packet]:
     return [Packet(key, payload, arrived_ns) for key, arrived_ns, payload in record.packets]
 
 
-def differing_fields(tick: Tick) -> list[str]:
+def differing_fields(tick: ReplayedTick) -> list[str]:
     """Names of the report's fields that differ."""
     names = tick.recorded.__struct_fields__
     return [n for n in names if getattr(tick.recorded, n) != getattr(tick.decided, n)]

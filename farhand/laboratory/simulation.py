@@ -20,7 +20,7 @@ from farhand.common.recording.writer import RunRecorder
 from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
-from farhand.netem.result import NetemResult
+from farhand.netem.measure.result import NetemResult
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from farhand.netem.result import NetemCounts
+from farhand.netem.measure.result import NetemCounts
 from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
 

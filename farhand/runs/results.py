@@ -5,7 +5,7 @@ from pathlib import Path
 import msgspec
 
 from farhand.common.result_file import read_result
-from farhand.netem.result import NetemCounts, NetemResult
+from farhand.netem.measure.result import NetemCounts, NetemResult
 from farhand.operator_side.result import OperatorCounts, OperatorResult
 from farhand.robot_side.result import RobotCounts, RobotResult
 from farhand.runs.files import NETEM, OPERATOR, ROBOT

@@ -21,17 +21,16 @@ from farhand.common.scenario.task import Task
 from farhand.common.toml import parse_toml, read_toml
 from farhand.netem.settings import NetworkSettings
 from farhand.operator_side.control.registry import CONTROLLERS, SOLVERS
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.registry import MARGINS
+from farhand.operator_side.margins.settings import MarginSettings
 from farhand.operator_side.prediction.registry import PREDICTORS
-from farhand.operator_side.settings import (
-    ControllerSettings,
-    MarginSettings,
-    OperatorSettings,
-    SteeringSettings,
-)
+from farhand.operator_side.settings import OperatorSettings
 from farhand.operator_side.steering.registry import DEVICES
+from farhand.operator_side.steering.settings import SteeringSettings
 from farhand.robot_side.robots.registry import ROBOTS
-from farhand.robot_side.settings import RobotSettings, SafetySettings
+from farhand.robot_side.robots.settings import RobotSettings
+from farhand.robot_side.safety.settings import SafetySettings
 
 BUILT_IN = Path(__file__).resolve().parent.parent / "scenarios"
 

@@ -8,7 +8,7 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.common.messages.base import Vector3
 from farhand.operator_side.control.controller import Controller, ControlProblem, ControlSolution, Status
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 Answer: TypeAlias = Vector3 | Array | ControlSolution
 """A velocity held over the horizon (m/s), a plan of shape (N, 3), or a whole solution."""

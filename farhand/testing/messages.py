@@ -6,7 +6,7 @@ a field that does not exist is a TypeError. Stamps follow the sequence number at
 
 from typing import Any
 
-from farhand.common.messages.base import Echo, Message, Vector3
+from farhand.common.messages.base import ZERO, Echo, Message, Vector3
 from farhand.common.messages.command import CommandMode, VelocityCommand
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
@@ -15,7 +15,6 @@ from farhand.common.messages.state import RobotState
 
 OPERATOR_SESSION = 7
 ROBOT_SESSION = 9
-ZERO: Vector3 = (0.0, 0.0, 0.0)
 FORWARD: Vector3 = (0.1, 0.0, 0.0)
 
 TICK_NS = 100_000_000

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.robots.robot import Robot, RobotSample
-from farhand.robot_side.settings import RobotScenario
+from farhand.robot_side.robots.settings import RobotScenario
 
 Call = Literal["sample", "step", "arm_clearance"]
 FOR_EVER = 1 << 62

@@ -3,7 +3,7 @@
 from collections import Counter
 
 from farhand.netem.measure.histogram import Histogram
-from farhand.netem.result import FlowCounts
+from farhand.netem.measure.result import FlowCounts
 
 _COUNTERS = ("received", "duplicated", "delivered", "queued", "corrupted", "reordered", "retransmitted")
 

@@ -2,7 +2,7 @@
 
 import math
 
-from farhand.netem.result import Delays
+from farhand.netem.measure.result import Delays
 
 _BINS_PER_E = 1 / math.log(1.01)
 _SECONDS = 1e-9

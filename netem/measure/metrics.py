@@ -7,7 +7,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.registry import Collector
 
 from farhand.common.errors import EndpointError
-from farhand.netem.result import NetemResult
+from farhand.netem.measure.result import NetemResult
 
 _COUNTS = ("received", "delivered", "duplicated", "corrupted", "reordered", "retransmitted")
 _QUANTILES = {"p50": "0.5", "p99": "0.99", "max": "1"}

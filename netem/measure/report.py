@@ -4,7 +4,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from farhand.netem.result import Delays, NetemResult
+from farhand.netem.measure.result import Delays, NetemResult
 
 
 def fine_milliseconds(seconds: float) -> str:

@@ -21,7 +21,7 @@ import msgspec
 from farhand.common.errors import InputError
 from farhand.common.process.signals import say
 from farhand.common.result_file import read_result, write_result
-from farhand.netem.result import KernelCounts, NetemResult
+from farhand.netem.measure.result import KernelCounts, NetemResult
 from farhand.netem.settings import NetemSettings
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.host import HANDLE, Run, claim, find_device, refusal, run_command

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from farhand.common.geometry import Array
 from farhand.operator_side.control.controller import ControlProblem
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 ROW_TOLERANCE = 1e-5  # m^2; the compiled solver's as well
 MAGNITUDE = 1e6  # inputs beyond this are refused, as by the compiled solver

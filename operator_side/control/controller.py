@@ -9,7 +9,7 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.common.scenario.section import NoSettings, Section
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 
 class Status(str, Enum):

@@ -6,8 +6,8 @@ from typing import Any
 import casadi
 
 from farhand.operator_side.control.nlp_controller import NlpController
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.statement import SymbolicProblem, state_problem
-from farhand.operator_side.settings import ControllerSettings
 
 
 class IpoptController(NlpController):

@@ -12,8 +12,8 @@ from farhand.operator_side.control.controller import (
     Status,
     zero_plan,
 )
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.tracking import tracking_matrices, unconstrained_gains
-from farhand.operator_side.settings import ControllerSettings
 
 _STATUS = (
     Status.OPTIMAL,

@@ -15,9 +15,9 @@ from farhand.operator_side.control.controller import (
     Status,
     zero_plan,
 )
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.statement import SymbolicProblem, parameter_values
 from farhand.operator_side.control.tracking import tracking_cost
-from farhand.operator_side.settings import ControllerSettings
 
 Indices = NDArray[np.intp]
 

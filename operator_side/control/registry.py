@@ -9,7 +9,7 @@ from msgspec import structs
 
 from farhand.common.kinds import Kinds
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 CONTROLLERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
     "controller",
@@ -19,7 +19,7 @@ CONTROLLERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
         "mpc-cbf": "farhand.operator_side.control.registry:make_mpc",
         "pass-through": "farhand.operator_side.control.baselines.pass_through:PassThrough",
         "one-step": "farhand.operator_side.control.baselines.one_step:OneStep",
-        "mpc-distance": "farhand.operator_side.control.registry:make_distance_mpc",
+        "mpc-distance": "farhand.operator_side.control.baselines.mpc_distance:make_distance_mpc",
     },
 )
 SOLVERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
@@ -52,10 +52,3 @@ def make_mpc(settings: ControllerSettings) -> Controller:
         sqp = SOLVERS.get("sqp")(structs.replace(settings, solver="sqp"))
         sqp.solver_notice = f"the compiled solver cannot be used ({error}); the slower CasADi SQP takes over"
         return sqp
-
-
-def make_distance_mpc(settings: ControllerSettings) -> Controller:
-    """The baseline `mpc-distance` by the solver that the settings name."""
-    from farhand.operator_side.control.baselines.mpc_distance import distance_settings
-
-    return make_mpc(distance_settings(settings))

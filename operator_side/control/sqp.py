@@ -9,9 +9,9 @@ import numpy as np
 from farhand.operator_side.control import barrier as rows
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status
 from farhand.operator_side.control.nlp_controller import Indices, NlpController
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.statement import SymbolicProblem, state_problem
 from farhand.operator_side.control.tracking import tracking_cost, unconstrained_gains
-from farhand.operator_side.settings import ControllerSettings
 
 SLOTS = (1, 2, 4, 8, 16, 24)
 ITERATIONS = 12  # past this a start has never been seen to converge in time for the next tick

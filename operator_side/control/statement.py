@@ -17,7 +17,7 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.operator_side.control.controller import ControlProblem
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 
 def tracking_matrices(settings: ControllerSettings) -> tuple[Array, Array]:

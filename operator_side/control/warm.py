@@ -4,7 +4,7 @@ import sys
 
 from farhand.common.timing.clock import processor_seconds
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 
 def main() -> int:

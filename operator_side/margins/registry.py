@@ -3,7 +3,7 @@
 from farhand.common.kinds import Kinds
 from farhand.common.scenario.section import own_settings
 from farhand.operator_side.margins.law import MarginLaw
-from farhand.operator_side.settings import MarginSettings
+from farhand.operator_side.margins.settings import MarginSettings
 
 MARGINS: Kinds[type[MarginLaw]] = Kinds(
     "margin law",

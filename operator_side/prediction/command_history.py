@@ -8,10 +8,9 @@ simulated tasks.
 from collections import OrderedDict
 from dataclasses import dataclass
 
-from farhand.common.messages.base import Vector3
+from farhand.common.messages.base import ZERO, Vector3
 
 KEPT = 256
-ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,8 @@
 
 from farhand.common.kinds import Kinds
 from farhand.common.scenario.section import own_settings
-from farhand.operator_side.settings import SteeringSettings
 from farhand.operator_side.steering.device import SteeringDevice
+from farhand.operator_side.steering.settings import SteeringSettings
 
 DEVICES: Kinds[type[SteeringDevice]] = Kinds(
     "steering device",

@@ -4,7 +4,7 @@ import math
 
 from farhand.common.messages.base import Vector3
 from farhand.robot_side.robots.robot import Robot, RobotSample
-from farhand.robot_side.settings import RobotScenario
+from farhand.robot_side.robots.settings import RobotScenario
 
 
 class PointRobot(Robot):

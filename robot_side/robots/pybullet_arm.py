@@ -18,7 +18,7 @@ from farhand.robot_side.arm.velocity_control import DampedLeastSquares, Directio
 from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
-from farhand.robot_side.settings import RobotScenario
+from farhand.robot_side.robots.settings import RobotScenario
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
 

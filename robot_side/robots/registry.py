@@ -5,7 +5,7 @@ Each is imported only when it is asked for.
 
 from farhand.common.kinds import Kinds
 from farhand.robot_side.robots.robot import Robot
-from farhand.robot_side.settings import RobotScenario
+from farhand.robot_side.robots.settings import RobotScenario
 
 ROBOTS: Kinds[type[Robot]] = Kinds(
     "robot",

@@ -8,7 +8,7 @@ from typing import ClassVar
 from farhand.common.messages.base import Quaternion, Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import NoSettings, Section
-from farhand.robot_side.settings import RobotScenario
+from farhand.robot_side.robots.settings import RobotScenario
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,7 @@
 """What the robot plays between commands: the one rule that the operator's prediction relies on, too."""
 
-from farhand.common.messages.base import Vector3
+from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.command import VelocityCommand
-
-ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 
 class PlanPlayer:

@@ -9,12 +9,12 @@ stamp that the command echoes.
 from collections import Counter, OrderedDict, deque
 from dataclasses import dataclass
 
-from farhand.common.messages.base import SafetyMode, Vector3
+from farhand.common.messages.base import ZERO, SafetyMode, Vector3
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.timing.clock import to_ns
 from farhand.robot_side.safety.lease import ControlLease
-from farhand.robot_side.safety.plan import ZERO, PlanPlayer
-from farhand.robot_side.settings import SafetySettings
+from farhand.robot_side.safety.plan import PlanPlayer
+from farhand.robot_side.safety.settings import SafetySettings
 
 REMEMBERED_SESSIONS = 64
 REMEMBERED_CHANGES = 1000

@@ -6,8 +6,8 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import command_key
 from farhand.robot_side.announcer import Announcer
 from farhand.robot_side.safety.command_intake import CommandIntake
+from farhand.robot_side.safety.settings import SafetySettings
 from farhand.robot_side.safety.watchdog import Watchdog
-from farhand.robot_side.settings import SafetySettings
 from farhand.testing import command
 
 MS = 1_000_000

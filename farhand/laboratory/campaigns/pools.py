@@ -109,6 +109,6 @@ def _start_worker(parent: int) -> None:
     os.environ[PARENT_VARIABLE] = str(parent)
     die_with_parent()
     from farhand.operator_side.control.registry import make_controller
-    from farhand.operator_side.settings import ControllerSettings
+    from farhand.operator_side.control.settings import ControllerSettings
 
     make_controller(ControllerSettings()).prepare()

@@ -13,8 +13,9 @@ from farhand.common.geometry import distance
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.seeds import stream
-from farhand.operator_side.settings import ControllerSettings, MarginSettings
-from farhand.robot_side.settings import RobotSettings
+from farhand.operator_side.control.settings import ControllerSettings
+from farhand.operator_side.margins.settings import MarginSettings
+from farhand.robot_side.robots.settings import RobotSettings
 from farhand.runs.scenario import Scenario
 
 LOW, HIGH = 0.45, 7.6

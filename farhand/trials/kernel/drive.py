@@ -12,7 +12,7 @@ import numpy as np
 
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.timing.clock import SystemClock, to_ns
-from farhand.netem.result import FlowCounts, KernelCounts, NetemResult
+from farhand.netem.measure.result import FlowCounts, KernelCounts, NetemResult
 from farhand.operator_side.result import Sample
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
 from farhand.runs import files
@@ -21,7 +21,7 @@ from farhand.runs.run import Run
 from farhand.runs.run_folder import summarise_results, write_scenario
 from farhand.runs.summary import RunSummary
 from farhand.trials.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, OPERATOR, ROBOT, Hosts
-from farhand.trials.kernel.probe import Seen, probe
+from farhand.trials.kernel.probe import PacketsSeen, probe
 
 START_TIME = 60.0
 END_TIME = 15.0
@@ -34,7 +34,7 @@ class Drive(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         spec, backend: the network, and who made it.
-        packets: what single packets suffered before the drive, both directions (see Seen.summary); None: not sent.
+        packets: what single packets suffered before the drive, both directions, see PacketsSeen; None: not sent.
         drawn, achieved: mean delay of a message in the emulator, both directions; None with the kernel.
         lost: fraction of what was lost, of messages (message) or packets (tc), counted by who lost it.
         rtt: round trips that the operator measured: mean and std of all, p50 and p99 of the newest at each tick.
@@ -169,7 +169,7 @@ def _start_netem(
     return netem
 
 
-def _probe_both(hosts: Hosts, packets: int) -> list[Seen]:
+def _probe_both(hosts: Hosts, packets: int) -> list[PacketsSeen]:
     netem = hosts.namespace("netem")
     return [
         probe(netem, hosts.namespace(host), address, packets, INTERVAL)

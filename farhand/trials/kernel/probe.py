@@ -25,7 +25,7 @@ WARM_UP, _WARM = 100, 0xFFFFFFFF
 _FORM = struct.Struct("<IQ")
 
 
-class Seen(NamedTuple):
+class PacketsSeen(NamedTuple):
     """What came of the packets.
 
     Attributes:
@@ -93,7 +93,7 @@ def socket_in(namespace: str) -> socket.socket:
 
 def probe(
     here: str, there: str, address: str, count: int, interval: float, size: int = 100, patience: float = 2.0
-) -> Seen:
+) -> PacketsSeen:
     """Send packets from a namespace to another and see when they come.
 
     Args:
@@ -141,7 +141,7 @@ def probe(
             else:
                 delays[number] = (now_ns - stamp_ns) * 1e-9
                 order.append(number)
-    return Seen(delays, tuple(order), copies, corrupted)
+    return PacketsSeen(delays, tuple(order), copies, corrupted)
 
 
 def _meet(sender: socket.socket, receiver: socket.socket, address: str, rest: bytes) -> None:

@@ -2,7 +2,9 @@
 
 from msgspec import structs
 
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.control.registry import make_mpc
+from farhand.operator_side.control.settings import ControllerSettings
 
 
 def distance_settings(settings: ControllerSettings) -> ControllerSettings:
@@ -12,3 +14,8 @@ def distance_settings(settings: ControllerSettings) -> ControllerSettings:
     omega costs nothing.
     """
     return structs.replace(settings, gamma=1.0)
+
+
+def make_distance_mpc(settings: ControllerSettings) -> Controller:
+    """The baseline by the solver that the settings name."""
+    return make_mpc(distance_settings(settings))

@@ -12,7 +12,7 @@ from farhand.operator_side.control.controller import (
     Status,
     zero_plan,
 )
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 REFINEMENTS = 3
 

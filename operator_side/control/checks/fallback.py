@@ -1,11 +1,12 @@
 """What the operator commands for each way in which a solve can end. docs/solver.md, "What is commanded"."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from farhand.common.geometry import Array
 from farhand.operator_side.control import barrier as rows
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status, zero_plan
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 NEAR = 2e-5  # m^2: closer than this to the margin counts as on it; a solver keeps its rows to half of this
 _NO_PLAN = {
@@ -53,7 +54,7 @@ def harmless_steps(problem: ControlProblem, plan: Array, dt: float, gamma: float
     """How many steps of the plan do not drive deeper into any margin.
 
     Step i with obstacle j, d = x_i - p_j(i):
-        inside (h < sigma): h must not fall anywhere along the step;
+        inside (h < sigma): h must not fall anywhere along the step (see _never_nearer);
         outside: h(x_{i+1}) - sigma >= (1 - gamma) (h(x_i) - sigma), so that h stays above sigma;
         either way a step is allowed that is nowhere nearer than standing still, for the obstacle may move.
 
@@ -73,17 +74,34 @@ def harmless_steps(problem: ControlProblem, plan: Array, dt: float, gamma: float
     room = np.sum(away**2, axis=2) - square  # h(x_i) - sigma
     room_next = np.sum((away + dt * motion) ** 2, axis=2) - square
     room_standing = np.sum((away - dt * problem.velocities[:, None]) ** 2, axis=2) - square
-    closing = np.sum(away * motion, axis=2)  # half the rate of h at the start of the step
-    closing_standing = -np.sum(away * problem.velocities[:, None], axis=2)
+    keeps = _never_nearer(away, motion, np.broadcast_to(-problem.velocities[:, None], motion.shape), dt)
 
     inside = room < -NEAR
-    # h is a parabola in time: a rate that is not negative at the start keeps it from falling
-    keeps = (closing >= np.minimum(0.0, closing_standing) - 1e-12) & (
-        room_next >= np.minimum(room, room_standing) - 1e-12
-    )
     holds = room_next >= np.minimum((1.0 - gamma) * np.maximum(room, 0.0) - NEAR, room_standing)
     fine = np.all(np.where(inside, keeps, holds), axis=0)
     return len(plan) if fine.all() else int(np.argmin(fine))
+
+
+def _never_nearer(away: Array, motion: Array, standing: Array, dt: float) -> NDArray[np.bool_]:
+    """(n, N) whether a step is at no instant nearer than both its start and standing still at that instant.
+
+    With c = d.w and squares of speeds m = |w|^2, s = |w_0|^2 the squared distances grow by 2 c t + m t^2 in motion
+    and by 2 c_0 t + s t^2 standing. Motion is nearer than the start for t < -2 c / m alone; there it must not be
+    nearer than standing, and as their difference over t is linear in t, it is enough to look at both ends.
+
+    Args:
+        away: (n, N, 3) from obstacle to robot at the start of each step (m).
+        motion: (n, N, 3) relative velocity in the step, w (m/s).
+        standing: (n, N, 3) the same if the robot stood, w_0 (m/s).
+        dt: length of a step (s).
+    """
+    closing, closing_standing = np.sum(away * motion, axis=2), np.sum(away * standing, axis=2)
+    speed, speed_standing = np.sum(motion**2, axis=2), np.sum(standing**2, axis=2)
+    nearer_for = np.clip(-2.0 * closing / np.maximum(speed, 1e-30), 0.0, dt)
+    at_first = 2.0 * (closing - closing_standing)
+    at_last = at_first + (speed - speed_standing) * nearer_for
+    never: NDArray[np.bool_] = (closing >= -1e-12) | ((at_first >= -1e-12) & (at_last >= -1e-12))
+    return never
 
 
 def _starts_inside(problem: ControlProblem) -> bool:

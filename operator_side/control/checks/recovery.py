@@ -14,7 +14,7 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.operator_side.control.controller import ControlProblem
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 
 JUST_OUTSIDE = 1.0 - 1e-4
 

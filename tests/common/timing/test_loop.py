@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from farhand.common.errors import EndpointError, InputError
-from farhand.common.geometry import distance, norm, sphere_clearance, to_vector3
+from farhand.common.geometry import distance, norm, to_vector3
 from farhand.common.link.link import MemoryLink, Packet, memory_wire
 from farhand.common.link.zenoh_link import check_endpoint, is_loopback
 from farhand.common.messages.keys import (
@@ -155,9 +155,6 @@ def test_geometry():
         to_vector3([1, 2])
     assert norm([3, 4]) == 5
     assert distance((0, 0, 0), (0, 3, 4)) == 5
-    centres, radii = np.array([[2.0, 0, 0], [0, 0, 5.0]]), np.array([0.5, 0.1])
-    assert sphere_clearance((0, 0, 0), 0.3, centres, radii) == pytest.approx(1.2)
-    assert sphere_clearance((0, 0, 0), 0.3, np.zeros((0, 3)), np.zeros(0)) == 1e6
 
 
 class Noting:

@@ -8,7 +8,7 @@ import pytest
 
 from farhand.common.result_file import write_result
 from farhand.laboratory.simulation import simulate
-from farhand.netem.result import NetemResult
+from farhand.netem.measure.result import NetemResult
 from farhand.operator_side.result import OperatorResult
 from farhand.robot_side.result import RobotResult
 from farhand.runs.results import RunResults, read_results

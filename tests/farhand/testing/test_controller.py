@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from farhand.operator_side.control.controller import ControlSolution, Status
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.testing import ScriptedController, problem
 
 

@@ -11,8 +11,8 @@ import pytest
 from farhand.common.errors import InputError, SpecError
 from farhand.common.result_file import write_result
 from farhand.netem.impairments.base import ImpairmentContext
+from farhand.netem.measure.result import NetemResult
 from farhand.netem.models.profiles import PROFILES
-from farhand.netem.result import NetemResult
 from farhand.netem.settings import NetemSettings
 from farhand.netem.spec import parse_spec
 from farhand.netem.tc.backend import Device, KernelEmulation, kernel_emulation, set_commands

@@ -13,8 +13,8 @@ from farhand.operator_side.control import newton_kernel as kernel
 from farhand.operator_side.control.barrier import subset
 from farhand.operator_side.control.controller import ControlProblem, Status
 from farhand.operator_side.control.newton import NewtonController, kernel_parameters, tracking_hessian
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.tracking import unconstrained_gains
-from farhand.operator_side.settings import ControllerSettings
 
 SETTINGS = ControllerSettings()
 TURNS = [

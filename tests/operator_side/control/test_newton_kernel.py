@@ -10,10 +10,10 @@ from farhand.operator_side.control import barrier as rows
 from farhand.operator_side.control import newton_kernel as kernel
 from farhand.operator_side.control.controller import ControlProblem
 from farhand.operator_side.control.newton import kernel_parameters, tracking_hessian
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.statement import barrier, tracking_cost
 from farhand.operator_side.control.tracking import tracking_cost as numpy_tracking_cost
 from farhand.operator_side.control.tracking import unconstrained_gains
-from farhand.operator_side.settings import ControllerSettings
 
 SETTINGS = ControllerSettings()
 N = SETTINGS.horizon

@@ -18,8 +18,8 @@ from farhand.operator_side.control.controller import ControlProblem, Status
 from farhand.operator_side.control.ipopt import IpoptController
 from farhand.operator_side.control.newton import NewtonController
 from farhand.operator_side.control.registry import SOLVERS, make_controller
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.sqp import SLOTS, SqpController
-from farhand.operator_side.settings import ControllerSettings
 from farhand.testing import problem as make_problem
 
 SETTINGS = ControllerSettings()
@@ -304,7 +304,7 @@ def test_without_numba_the_sqp_takes_over_and_says_so(monkeypatch):
 def test_choosing_imports_no_solver_that_is_not_chosen():
     code = (
         "import sys\n"
-        "from farhand.operator_side.settings import ControllerSettings as S\n"
+        "from farhand.operator_side.control.settings import ControllerSettings as S\n"
         "from farhand.operator_side.control.registry import SOLVERS, make_controller\n"
         "assert not {'numba', 'casadi', 'daqp'} & set(sys.modules)\n"
         "make_controller(S())\n"

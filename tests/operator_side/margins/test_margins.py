@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from farhand.operator_side.margins.law import MarginInput
 from farhand.operator_side.margins.registry import make_margin
-from farhand.operator_side.settings import MarginSettings
+from farhand.operator_side.margins.settings import MarginSettings
 
 GIVEN = MarginInput(speed=0.4, rtt_mean=0.1, rtt_std=0.02, innovation=0.03, spread=0.05)
 

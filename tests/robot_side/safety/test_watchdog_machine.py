@@ -4,10 +4,9 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from farhand.common.messages.base import Echo
-from farhand.robot_side.safety.plan import ZERO
+from farhand.common.messages.base import ZERO, Echo
+from farhand.robot_side.safety.settings import SafetySettings
 from farhand.robot_side.safety.watchdog import Watchdog
-from farhand.robot_side.settings import SafetySettings
 from farhand.testing import messages
 
 ROBOT = 1234

@@ -2,10 +2,10 @@
 
 import pytest
 
-from farhand.common.messages.base import Echo
-from farhand.robot_side.safety.plan import ZERO, PlanPlayer
+from farhand.common.messages.base import ZERO, Echo
+from farhand.robot_side.safety.plan import PlanPlayer
+from farhand.robot_side.safety.settings import SafetySettings
 from farhand.robot_side.safety.watchdog import Watchdog
-from farhand.robot_side.settings import SafetySettings
 from farhand.testing import messages
 
 ROBOT = 1234

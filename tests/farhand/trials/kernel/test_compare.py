@@ -8,13 +8,15 @@ import pytest
 from farhand.trials.kernel import compare, user_mode_linux
 from farhand.trials.kernel.compare import HEADINGS, row
 from farhand.trials.kernel.drive import Drive
-from farhand.trials.kernel.probe import Seen
+from farhand.trials.kernel.probe import PacketsSeen
 
 NAN = float("nan")
 
 
 def test_losses_bursts_and_overtaking_are_counted():
-    seen = Seen(np.array([NAN, 0.01, NAN, NAN, 0.03, 0.02, 0.02, NAN]), (1, 5, 4, 6), copies=0, corrupted=0)
+    seen = PacketsSeen(
+        np.array([NAN, 0.01, NAN, NAN, 0.03, 0.02, 0.02, NAN]), (1, 5, 4, 6), copies=0, corrupted=0
+    )
     found = seen.summary()
     assert found["lost"] == 0.5
     assert found["burst"] == pytest.approx(4 / 3)
@@ -23,7 +25,7 @@ def test_losses_bursts_and_overtaking_are_counted():
 
 
 def test_nothing_that_came_is_no_number_and_no_error():
-    found = Seen(np.array([NAN, NAN]), (), copies=0, corrupted=0).summary()
+    found = PacketsSeen(np.array([NAN, NAN]), (), copies=0, corrupted=0).summary()
     assert math.isnan(found["p99"])
     assert (found["lost"], found["burst"], found["overtaken"]) == (1.0, 2.0, 0.0)
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec import structs
 
@@ -11,7 +11,7 @@ from farhand.common.seeds import stream
 from farhand.operator_side.control.checks.fallback import NEAR, safe_plan
 from farhand.operator_side.control.controller import ControlProblem, ControlSolution, Status
 from farhand.operator_side.control.newton import NewtonController
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.testing import problem as make_problem
 
 SETTINGS = ControllerSettings()
@@ -68,6 +68,7 @@ def assert_never_deeper(problem, plan, dt):
 
 @settings(deadline=None, max_examples=200)
 @given(SEEDS, st.sampled_from(CHECKED), st.booleans())
+@example(1053549, Status.ELASTIC, True)  # an obstacle that turns away within the step
 def test_any_plan_with_a_status_that_is_not_good(seed, status, moving):
     problem = random_problem(seed, moving)
     wild = stream(seed, "wild").uniform(-0.3, 0.3, (SETTINGS.horizon, 3))

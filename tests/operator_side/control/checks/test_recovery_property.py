@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import JUST_OUTSIDE, eased
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.settings import ControllerSettings
+from farhand.operator_side.control.settings import ControllerSettings
 from farhand.testing import problem as make_problem
 
 SETTINGS = ControllerSettings()

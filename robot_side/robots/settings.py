@@ -1,4 +1,4 @@
-"""The settings that the robot's side owns, and what it reads of a scenario."""
+"""The settings of the robot, and what the robot's side reads of a scenario."""
 
 from typing import Annotated, Literal, Protocol
 
@@ -6,7 +6,8 @@ from msgspec import Meta
 
 from farhand.common.messages.base import NonNegative, Positive, Real, Vector3
 from farhand.common.messages.scene import Obstacle
-from farhand.common.scenario.section import KindSection, Rate, Section
+from farhand.common.scenario.section import KindSection, Rate
+from farhand.robot_side.safety.settings import SafetySettings
 
 
 class RobotSettings(KindSection, frozen=True, kw_only=True):
@@ -33,24 +34,6 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
     joints: Annotated[tuple[Real, ...], Meta(min_length=6, max_length=6)] | None = None
     velocity_control: Literal["direction", "damped"] = "direction"
     max_joint_acceleration: Positive = 15.0
-
-
-class SafetySettings(Section, frozen=True, kw_only=True):
-    """The watchdog on the robot.
-
-    Attributes:
-        max_age: a command built on a state older than this is refused (s).
-        command_timeout: without a good command for this long, RUN becomes HOLD (s).
-        stop_timeout: without a good command for this long, HOLD becomes STOPPED (s).
-        lease_timeout: a silent holder loses control after this (s).
-        max_speed: commands faster than this in any axis are refused (m/s).
-    """
-
-    max_age: Positive = 1.0
-    command_timeout: Positive = 0.3
-    stop_timeout: Positive = 1.5
-    lease_timeout: Positive = 2.0
-    max_speed: Positive = 2.0
 
 
 class RobotScenario(Protocol):

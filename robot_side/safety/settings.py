@@ -1,0 +1,22 @@
+"""The settings of the watchdog."""
+
+from farhand.common.messages.base import Positive
+from farhand.common.scenario.section import Section
+
+
+class SafetySettings(Section, frozen=True, kw_only=True):
+    """The watchdog on the robot.
+
+    Attributes:
+        max_age: a command built on a state older than this is refused (s).
+        command_timeout: without a good command for this long, RUN becomes HOLD (s).
+        stop_timeout: without a good command for this long, HOLD becomes STOPPED (s).
+        lease_timeout: a silent holder loses control after this (s).
+        max_speed: commands faster than this in any axis are refused (m/s).
+    """
+
+    max_age: Positive = 1.0
+    command_timeout: Positive = 0.3
+    stop_timeout: Positive = 1.5
+    lease_timeout: Positive = 2.0
+    max_speed: Positive = 2.0
