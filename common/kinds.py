@@ -9,7 +9,7 @@ import difflib
 import importlib
 import importlib.metadata
 from collections.abc import Mapping
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from farhand.common.errors import InputError
 
@@ -22,11 +22,11 @@ class Kinds(Generic[T]):
     Args:
         what: what the kinds are, for messages, e.g. "margin law".
         group: name of the entry points, e.g. "farhand.margins".
-        base: what each kind must be a subclass of; None where any object will do.
+        base: what each kind must be a subclass of, as a class or as `module:Class`.
         built_in: name -> `module:attribute`, in the order in which they are listed.
     """
 
-    def __init__(self, what: str, group: str, base: type | None, built_in: Mapping[str, str]) -> None:
+    def __init__(self, what: str, group: str, base: type | str, built_in: Mapping[str, str]) -> None:
         self.what, self.group = what, group
         self._base = base
         self._built_in = dict(built_in)
@@ -65,7 +65,8 @@ class Kinds(Generic[T]):
                 raise InputError(
                     f"{_brought(points)}: {self.group}: {name!r} is built in; choose another name"
                 )
-            return self._import(self._built_in[name])
+            built_in: T = _import(self._built_in[name])
+            return built_in
         if not points:
             raise InputError(self._unknown(name, where))
         if len(points) > 1:
@@ -79,16 +80,12 @@ class Kinds(Generic[T]):
                 f"{_brought(points)}: {self.group}: {self.what} {name!r} cannot be imported from "
                 f"{points[0].value}: {type(error).__name__}: {error}"
             ) from None
-        if self._base is not None and not (isinstance(kind, type) and issubclass(kind, self._base)):
+        base = _import(self._base) if isinstance(self._base, str) else self._base
+        if not (isinstance(kind, type) and issubclass(kind, base)):
             raise InputError(
                 f"{_brought(points)}: {self.group}: {name!r} is {points[0].value}, which is no subclass of "
-                f"{self._base.__module__}.{self._base.__qualname__}"
+                f"{base.__module__}.{base.__qualname__}"
             )
-        return kind
-
-    def _import(self, path: str) -> T:
-        module, _, attribute = path.partition(":")
-        kind: T = getattr(importlib.import_module(module), attribute)
         return kind
 
     def _entry_points(self) -> dict[str, list[importlib.metadata.EntryPoint]]:
@@ -103,6 +100,12 @@ class Kinds(Generic[T]):
         hint = f"is {close[0]!r} meant? " if close else ""
         place = f"{where} {name!r}" if where else repr(name)
         return f"{place}: no such {self.what}; {hint}there are {', '.join(self.names())}"
+
+
+def _import(path: str) -> Any:
+    """What `module:attribute` names."""
+    module, _, attribute = path.partition(":")
+    return getattr(importlib.import_module(module), attribute)
 
 
 def _brought(points: list[importlib.metadata.EntryPoint]) -> str:

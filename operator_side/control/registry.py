@@ -4,17 +4,20 @@ Imported only when chosen, so that a program starts fast.
 """
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from msgspec import structs
 
 from farhand.common.kinds import Kinds
-from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.settings import ControllerSettings
 
-CONTROLLERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
+if TYPE_CHECKING:
+    from farhand.operator_side.control.controller import Controller
+
+CONTROLLERS: "Kinds[Callable[[ControllerSettings], Controller]]" = Kinds(
     "controller",
     "farhand.controllers",
-    Controller,
+    "farhand.operator_side.control.controller:Controller",
     {
         "mpc-cbf": "farhand.operator_side.control.registry:make_mpc",
         "pass-through": "farhand.operator_side.control.baselines.pass_through:PassThrough",
@@ -22,10 +25,10 @@ CONTROLLERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
         "mpc-distance": "farhand.operator_side.control.baselines.mpc_distance:make_distance_mpc",
     },
 )
-SOLVERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
+SOLVERS: "Kinds[Callable[[ControllerSettings], Controller]]" = Kinds(
     "solver",
     "farhand.solvers",
-    Controller,
+    "farhand.operator_side.control.controller:Controller",
     {
         "newton": "farhand.operator_side.control.newton:NewtonController",
         "sqp": "farhand.operator_side.control.sqp:SqpController",
@@ -34,7 +37,7 @@ SOLVERS: Kinds[Callable[[ControllerSettings], Controller]] = Kinds(
 )
 
 
-def make_controller(settings: ControllerSettings) -> Controller:
+def make_controller(settings: ControllerSettings) -> "Controller":
     """The controller that the settings ask for; raises InputError for a kind that does not exist.
 
     Where it cannot be quite what was asked for, the controller's `solver_notice` says so in one line.
@@ -42,7 +45,7 @@ def make_controller(settings: ControllerSettings) -> Controller:
     return CONTROLLERS.get(settings.kind, "controller.kind")(settings)
 
 
-def make_mpc(settings: ControllerSettings) -> Controller:
+def make_mpc(settings: ControllerSettings) -> "Controller":
     """MPC-CBF by the solver that the settings name."""
     try:
         return SOLVERS.get(settings.solver, "controller.solver")(settings)

@@ -1,14 +1,18 @@
 """The margin laws by name. A new one is one file and one line here, or an entry point of another package."""
 
+from typing import TYPE_CHECKING
+
 from farhand.common.kinds import Kinds
 from farhand.common.scenario.section import own_settings
-from farhand.operator_side.margins.law import MarginLaw
 from farhand.operator_side.margins.settings import MarginSettings
 
-MARGINS: Kinds[type[MarginLaw]] = Kinds(
+if TYPE_CHECKING:
+    from farhand.operator_side.margins.law import MarginLaw
+
+MARGINS: "Kinds[type[MarginLaw]]" = Kinds(
     "margin law",
     "farhand.margins",
-    MarginLaw,
+    "farhand.operator_side.margins.law:MarginLaw",
     {
         "none": "farhand.operator_side.margins.none:NoMargin",
         "paper": "farhand.operator_side.margins.paper:PaperMargin",
@@ -17,7 +21,7 @@ MARGINS: Kinds[type[MarginLaw]] = Kinds(
 )
 
 
-def make_margin(settings: MarginSettings) -> MarginLaw:
+def make_margin(settings: MarginSettings) -> "MarginLaw":
     """The law that the settings name; raises InputError."""
     law = MARGINS.get(settings.kind, "margin.kind")
     return law(own_settings(settings, law, "margin"))

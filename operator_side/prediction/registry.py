@@ -1,12 +1,16 @@
 """The prediction laws by name. A new one is one file and one line here, or an entry point of another package."""
 
-from farhand.common.kinds import Kinds
-from farhand.operator_side.prediction.law import StatePredictor
+from typing import TYPE_CHECKING
 
-PREDICTORS: Kinds[type[StatePredictor]] = Kinds(
+from farhand.common.kinds import Kinds
+
+if TYPE_CHECKING:
+    from farhand.operator_side.prediction.law import StatePredictor
+
+PREDICTORS: "Kinds[type[StatePredictor]]" = Kinds(
     "prediction law",
     "farhand.predictors",
-    StatePredictor,
+    "farhand.operator_side.prediction.law:StatePredictor",
     {
         "none": "farhand.operator_side.prediction.none:NoPrediction",
         "last-command": "farhand.operator_side.prediction.last_command:LastCommand",

@@ -1,19 +1,23 @@
 """The steering devices by name. A new one is one file and one line here, or an entry point of another package."""
 
+from typing import TYPE_CHECKING
+
 from farhand.common.kinds import Kinds
 from farhand.common.scenario.section import own_settings
-from farhand.operator_side.steering.device import SteeringDevice
 from farhand.operator_side.steering.settings import SteeringSettings
 
-DEVICES: Kinds[type[SteeringDevice]] = Kinds(
+if TYPE_CHECKING:
+    from farhand.operator_side.steering.device import SteeringDevice
+
+DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
     "steering device",
     "farhand.devices",
-    SteeringDevice,
+    "farhand.operator_side.steering.device:SteeringDevice",
     {"tester": "farhand.operator_side.steering.tester:Tester"},
 )
 
 
-def make_device(settings: SteeringSettings) -> SteeringDevice:
+def make_device(settings: SteeringSettings) -> "SteeringDevice":
     """The device that the settings name; raises InputError."""
     device = DEVICES.get(settings.kind, "steering.kind")
     return device(own_settings(settings, device, "steering"))

@@ -3,14 +3,18 @@
 Each is imported only when it is asked for.
 """
 
+from typing import TYPE_CHECKING
+
 from farhand.common.kinds import Kinds
-from farhand.robot_side.robots.robot import Robot
 from farhand.robot_side.robots.settings import RobotScenario
 
-ROBOTS: Kinds[type[Robot]] = Kinds(
+if TYPE_CHECKING:
+    from farhand.robot_side.robots.robot import Robot
+
+ROBOTS: "Kinds[type[Robot]]" = Kinds(
     "robot",
     "farhand.robots",
-    Robot,
+    "farhand.robot_side.robots.robot:Robot",
     {
         "ur5": "farhand.robot_side.robots.pybullet_arm:UR5Robot",
         "box": "farhand.robot_side.robots.pybullet_box:BoxRobot",
@@ -19,7 +23,7 @@ ROBOTS: Kinds[type[Robot]] = Kinds(
 )
 
 
-def make_robot(scenario: RobotScenario) -> Robot:
+def make_robot(scenario: RobotScenario) -> "Robot":
     """The scenario's robot at the scenario's start.
 
     Raises ScenarioError when the robot cannot stand there, InputError when there is no such robot.
