@@ -44,11 +44,13 @@ if TYPE_CHECKING:
     from farhand.operator_side.control.controller import ControlProblem as ControlProblem
     from farhand.operator_side.control.controller import ControlSolution as ControlSolution
     from farhand.operator_side.control.controller import Status as Status
+    from farhand.operator_side.control.registry import make_controller as make_controller
     from farhand.operator_side.control.settings import ControllerSettings as ControllerSettings
     from farhand.operator_side.margins.law import Margin as Margin
     from farhand.operator_side.margins.law import MarginInput as MarginInput
     from farhand.operator_side.margins.law import MarginLaw as MarginLaw
     from farhand.operator_side.margins.settings import MarginSettings as MarginSettings
+    from farhand.operator_side.operator_node import OperatorNode as OperatorNode
     from farhand.operator_side.prediction.law import Known as Known
     from farhand.operator_side.prediction.law import Prediction as Prediction
     from farhand.operator_side.prediction.law import StatePredictor as StatePredictor
@@ -56,6 +58,8 @@ if TYPE_CHECKING:
     from farhand.operator_side.steering.device import SteeringDevice as SteeringDevice
     from farhand.operator_side.steering.device import SteeringInput as SteeringInput
     from farhand.operator_side.steering.device import View as View
+    from farhand.robot_side.robot_node import RobotNode as RobotNode
+    from farhand.robot_side.robots.registry import make_robot as make_robot
     from farhand.robot_side.robots.robot import Robot as Robot
     from farhand.robot_side.robots.robot import RobotSample as RobotSample
     from farhand.robot_side.robots.settings import RobotScenario as RobotScenario
@@ -117,6 +121,10 @@ _HOME = {
     "SteeringDevice": "operator_side.steering.device",
     "SteeringInput": "operator_side.steering.device",
     "View": "operator_side.steering.device",
+    "make_controller": "operator_side.control.registry",
+    "OperatorNode": "operator_side.operator_node",
+    "RobotNode": "robot_side.robot_node",
+    "make_robot": "robot_side.robots.registry",
     "Robot": "robot_side.robots.robot",
     "RobotSample": "robot_side.robots.robot",
     "RobotScenario": "robot_side.robots.settings",

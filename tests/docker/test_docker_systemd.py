@@ -12,6 +12,7 @@ import pytest
 from farhand.common.link.link import Packet
 from farhand.common.link.ports import free_ports
 from farhand.common.process.systemd import CountingLink, tell_systemd, watchdog_interval
+from farhand.programs.command_line import RobotWords
 from farhand.testing import Program, ScriptedLink
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -82,8 +83,8 @@ def test_the_watchdog_is_fed_three_times_in_its_patience(environment, expected):
 def test_the_robots_program_tells_systemd(systemd):
     settings = {"NOTIFY_SOCKET": systemd.getsockname(), "WATCHDOG_USEC": "300000"}
     place = f"tcp/127.0.0.1:{free_ports(1)[0]}"
-    words = "robot", "--scenario", "point-obstacle", "--listen", place
-    with Program(*words, environment=settings) as program:
+    words = RobotWords(scenario="point-obstacle", listen=(place,))
+    with Program(*words.words(), environment=settings) as program:
         assert systemd.recv(100) == b"READY=1\nWATCHDOG=1"
         assert systemd.recv(100) == b"WATCHDOG=1"
         program.signal(signal.SIGTERM)

@@ -8,14 +8,14 @@ from farhand.testing import Programs, short_task
 
 @pytest.fixture
 def started(tmp_path):
-    """Starts `farhand WORDS...`; the logs are in the test's folder."""
+    """Starts a program by its words (see command_line.py); the logs are in the test's folder."""
     with Programs(tmp_path) as programs:
-        yield programs.start
+        yield lambda words: programs.start(*words.words())
 
 
 @pytest.fixture
 def scenario(tmp_path):
-    return short_task(tmp_path)
+    return str(short_task(tmp_path))
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from farhand.laboratory.replay import replay
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.steering.device import SteeringInput
+from farhand.programs.command_line import OperatorWords, RobotWords
 from farhand.programs.wiring import make_operator, make_robot_node, versions
 from farhand.runs.scenario import load_scenario, replace_setting, scenario_to_table
 from farhand.site.handover import choose
@@ -206,21 +207,21 @@ def test_the_name_of_an_operator_is_printable(monkeypatch):
 
 @pytest.mark.realtime
 def test_programs_hand_over_and_the_lease_of_a_killed_one_ends(started, tmp_path):
-    path = short_task(tmp_path, targets=[(0.7, 0.0, 0.5), (0.0, 0.0, 0.5)] * 60)
+    path = str(short_task(tmp_path, targets=[(0.7, 0.0, 0.5), (0.0, 0.0, 0.5)] * 60))
     endpoint, *reports = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
 
-    def start(*words):
-        return started(*words, "--scenario", path, "--robot", "r")
+    def operator(name, report):
+        return started(OperatorWords(scenario=path, robot="r", connect=(endpoint,), report=report, name=name))
 
     def handover(report, *words):
         return ask_farhand("handover", "--robot", "r", "--connect", report, *words)
 
-    start("robot", "--listen", endpoint)
-    alice = start("operator", "--connect", endpoint, "--report", reports[0], "--name", "alice")
+    started(RobotWords(scenario=path, robot="r", listen=(endpoint,)))
+    alice = operator("alice", reports[0])
     witness = Witness(endpoint, reports=reports[1])
     try:
         witness.wait_until(lambda s: s.holder_name == "alice" and s.mode == "run")
-        bob = start("operator", "--connect", endpoint, "--report", reports[1], "--name", "bob")
+        bob = operator("bob", reports[1])
         line = bob.wait_for("alice holds control")
         assert line.endswith("waiting; it can hand over to you with `farhand handover --to bob --robot r`")
         assert alice.wait_for("bob asks for control").endswith(f"--connect {reports[0]}` hands over")

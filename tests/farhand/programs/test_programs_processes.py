@@ -15,6 +15,7 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import command_key
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
+from farhand.programs.command_line import OperatorWords, RobotWords
 from farhand.site.tap import run_tap
 from farhand.testing import Witness, command, echo_of
 from farhand.testing.programs import PATIENCE
@@ -60,9 +61,9 @@ def test_a_silent_operator_makes_the_robot_hold_then_stop_and_it_goes_on_after(
 ):
     """Operator and robot directly, with no netem between; the operator is frozen in the middle."""
     robot = started(
-        "robot", "--scenario", scenario, "--robot", "r", "--listen", endpoint, "--result", tmp_path / "r.json"
+        RobotWords(scenario=scenario, robot="r", listen=(endpoint,), result=str(tmp_path / "r.json"))
     )
-    operator = started("operator", "--scenario", scenario, "--robot", "r", "--connect", endpoint)
+    operator = started(OperatorWords(scenario=scenario, robot="r", connect=(endpoint,)))
     listener = Witness(endpoint)
     try:
         listener.wait_until(lambda s: s.mode == "run" and s.velocity[0] > 0.1)
@@ -90,7 +91,7 @@ def test_a_silent_operator_makes_the_robot_hold_then_stop_and_it_goes_on_after(
 
 
 def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):
-    robot = started("robot", "--scenario", scenario, "--robot", "r", "--listen", endpoint)
+    robot = started(RobotWords(scenario=scenario, robot="r", listen=(endpoint,)))
     client = Client(endpoint, session=77)
     rng = np.random.default_rng(1)
     try:
@@ -161,7 +162,7 @@ def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):
 
 
 def test_an_endpoint_that_never_answers_is_told_and_tried_on(started, scenario, endpoint):
-    robot = started("robot", "--scenario", scenario, "--connect", endpoint)
+    robot = started(RobotWords(scenario=scenario, connect=(endpoint,)))
     line = robot.wait_for("nobody answers")
     assert line == f"robot: {endpoint}: nobody answers for 5 s; still trying"
     session = open_session(listen=[endpoint])

@@ -11,6 +11,7 @@ import zenoh
 
 from farhand.commands.certs import zenohd
 from farhand.common.link.ports import free_ports
+from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
 from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.site.doctor.doctor import examine
@@ -66,22 +67,24 @@ def test_tasks_through_routers_and_an_emulator_between_two_of_them(
     """bob -> hub -> box, and alice -> hub -> emulator -> far -> ur5; both drive their task to its end."""
     hub, far = routers
 
-    def member(name):
-        return "--tls", certificates / name
-
-    def program(role, name, robot, endpoint, *more):
-        place = "--robot", robot, "--router", "--connect", endpoint
-        return started(role, "--scenario", scenario, *place, *member(name), *more)
+    def program(words, name, robot, endpoint, **more):
+        place = {"robot": robot, "router": True, "connect": (endpoint,), "tls": str(certificates / name)}
+        return started(words(scenario=scenario, **place, **more))
 
     netem = started(
-        "netem", "--network", "constant:40", "--connect-operator", hub, "--connect-robot", far, *member("netem.lab")
-    )  # fmt: skip
-    robots = [program("robot", "robot.box", "box", hub), program("robot", "robot.ur5", "ur5", far)]
+        NetemWords(
+            network="constant:40",
+            connect_operator=(hub,),
+            connect_robot=(far,),
+            tls=str(certificates / "netem.lab"),
+        )
+    )
+    robots = [program(RobotWords, "robot.box", "box", hub), program(RobotWords, "robot.ur5", "ur5", far)]
     netem.wait_for("ends in 12 days")
     result = tmp_path / "alice.json"
     operators = [
-        program("operator", "operator.bob", "box", hub),
-        program("operator", "operator.alice", "ur5", hub, "--result", result),
+        program(OperatorWords, "operator.bob", "box", hub),
+        program(OperatorWords, "operator.alice", "ur5", hub, result=str(result)),
     ]
     assert [each.wait() for each in operators] == [0, 0]
     assert json.loads(result.read_text())["rtt_mean"] > 0.08

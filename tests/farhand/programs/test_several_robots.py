@@ -9,6 +9,7 @@ from farhand.commands.netem_live import common as share
 from farhand.commands.netem_live import set_network
 from farhand.common.link.ports import free_ports
 from farhand.netem.control import ask
+from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
 from farhand.site.robots import list_robots
 from farhand.testing import Witness, short_task
 
@@ -33,18 +34,22 @@ def test_two_robots_and_two_operators_over_one_emulator(started, tmp_path, capsy
     ports = iter(free_ports(5))
     operators, robots, control, *reports = (f"tcp/127.0.0.1:{port}" for port in ports)
     netem = started(
-        "netem", "--network", "constant:10", "--robot-network", "b=constant:60",
-        "--listen-operator", operators, "--listen-robot", robots, "--control", control,
-    )  # fmt: skip
+        NetemWords(
+            network="constant:10",
+            robot_network=("b=constant:60",),
+            listen_operator=operators,
+            listen_robot=robots,
+            control=control,
+        )
+    )
     seen = {}
     running = []
     for name, report in zip(TARGETS, reports, strict=True):
         folder = tmp_path / name
         folder.mkdir()
-        scenario = short_task(folder, targets=[TARGETS[name]])
-        common = "--scenario", scenario, "--robot", name
-        running.append(started("robot", *common, "--connect", robots))
-        running.append(started("operator", *common, "--connect", operators, "--report", report))
+        task = {"scenario": str(short_task(folder, targets=[TARGETS[name]])), "robot": name}
+        running.append(started(RobotWords(**task, connect=(robots,))))
+        running.append(started(OperatorWords(**task, connect=(operators,), report=report)))
         seen[name] = Observed(operators, name, report)
     a, b = seen["a"], seen["b"]
     try:
