@@ -8,6 +8,7 @@ class EchoPrediction(StatePredictor):
     """Command `seq` takes effect (seq - s) * period - hold after the sampled state, s the command applied there."""
 
     knows_plan = True
+    compensates_lag = True
 
     def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
         """See StatePredictor."""

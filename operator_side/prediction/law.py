@@ -62,9 +62,12 @@ class StatePredictor(ABC):
     Attributes:
         knows_plan: whether it counts on the robot playing out the plan behind a velocity; else every entry of
             the plan that is sent is the velocity itself.
+        compensates_lag: whether `start` is z = x + lag v and not the body's own position; what the body then
+            cuts from z's corners is added to every margin (operator_side/margins/lag.py).
     """
 
     knows_plan: ClassVar[bool] = False
+    compensates_lag: ClassVar[bool] = False
 
     def __init__(self, known: Known) -> None:
         self.known = known

@@ -15,6 +15,7 @@ class Timeline(StatePredictor):
     """
 
     knows_plan = True
+    compensates_lag = True
 
     def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
         """See StatePredictor."""
