@@ -9,6 +9,7 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
+from farhand.operator_side.control.checks.body import clear_steps
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import eased
 from farhand.operator_side.control.controller import Controller, ControlProblem, ControlSolution, zero_plan
@@ -110,6 +111,7 @@ class SafetyFilter:
         binding = scene.obstacles[solution.binding].id if solution.binding >= 0 else ""
         lag_part = 0.0
         if trail is not None:
+            plan, reason = self._kept_from_corners(problem, radii, plan, reason, ahead)
             parts = kept - radii
             lag_part = float(parts[np.argmin(gaps - radii)])
             trail.learn(desired, plan[0], float(np.max(parts)))
@@ -119,6 +121,21 @@ class SafetyFilter:
         """A plan of zeros; the warm start is forgotten."""
         self._controller.reset()
         return zero_plan(self._settings)
+
+    def _kept_from_corners(
+        self, problem: ControlProblem, radii: Array, plan: Array, reason: str, ahead: Ahead
+    ) -> tuple[Array, str]:
+        """The plan as far as the body that trails behind it stays clear, and why it is not all of it."""
+        velocity = ahead.prediction.velocity or ahead.state.velocity
+        reach = np.sqrt(radii**2 + problem.sigmas)
+        motion = (np.array(velocity), self._lag, self._settings.period)
+        steps = clear_steps(problem, reach, plan, motion)
+        if steps == len(plan):
+            return plan, reason
+        plan = plan.copy()
+        plan[steps:] = 0.0
+        what = "stopped" if steps == 0 else f"plan cut after {steps} steps"
+        return plan, reason or f"the body trails through a margin: {what}"
 
     def _look_at(self, scene: Scene) -> None:
         """Turn a new scene into arrays once."""

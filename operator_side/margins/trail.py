@@ -41,7 +41,8 @@ class Trail:
             gaps: (n,) from the obstacles' centres to z (m).
             speeds: (n,) of the obstacles (m/s).
         """
-        fitting = float(np.min(trails_that_fit(radii, gaps) / self._lag - speeds, initial=np.inf))
+        fitting_gaps = np.maximum(gaps, radii + WORTH_SLOWING)
+        fitting = float(np.min(trails_that_fit(radii, fitting_gaps) / self._lag - speeds, initial=np.inf))
         speed = norm(wanted)
         most = max(self._slowest, min(fitting, self._pace * speed))
         return wanted * (most / speed) if speed > most else wanted
