@@ -241,7 +241,12 @@ class OperatorNode:
                 robot,
                 Innovations(known, self.scenario.margin.innovation_window),
                 self._prediction_law(known),
-                SafetyFilter(self.scenario.controller, self._controller, robot),
+                SafetyFilter(
+                    self.scenario.controller,
+                    self._controller,
+                    robot,
+                    trails=self._prediction_law.compensates_lag,
+                ),
             )
         return mind
 

@@ -58,6 +58,7 @@ class ReportWriter:
         state, trip = self._perception.state, self._round_trip
         seen = state is not None
         known = trip.count > 0
+        lag_part = filtered.lag_part if filtered is not None else 0.0
         state_age = (now_ns - self._perception.newest_state.arrived_ns) * 1e-9 if seen else 0.0
         return ControlReport(
             source=self._operator,
@@ -73,8 +74,8 @@ class ReportWriter:
             predicted=tick.prediction.start,
             prediction_error=tick.prediction_error,
             sigma=margin.sigma,
-            inflation=margin.inflation,
-            margin_parts=margin.parts,
+            inflation=margin.inflation + lag_part,
+            margin_parts=margin.parts | ({"lag": lag_part} if lag_part else {}),
             rtt=trip.newest,
             rtt_mean=trip.mean if known else None,
             rtt_std=trip.std if known else None,

@@ -4,16 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from farhand.common.geometry import Array
+from farhand.common.geometry import Array, norm
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
+from farhand.operator_side.control.checks.body import clear_steps
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import eased
 from farhand.operator_side.control.controller import Controller, ControlProblem, ControlSolution, zero_plan
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.law import Margin
+from farhand.operator_side.margins.trail import Trail
 from farhand.operator_side.prediction.law import Prediction
 
 
@@ -24,12 +26,14 @@ class Filtered:
     solution: the controller's answer.
     binding: id of the obstacle that binds, or empty.
     reason: why `plan` is not the controller's, or empty.
+    lag_part: what the lag added to the nearest obstacle's radius (m).
     """
 
     plan: Array
     solution: ControlSolution
     binding: str
     reason: str
+    lag_part: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,16 +61,21 @@ class SafetyFilter:
         settings: of the controller.
         controller: the controller.
         robot: what it is.
+        trails: whether predictions are of z = x + lag v, behind which the body trails.
     """
 
-    def __init__(self, settings: ControllerSettings, controller: Controller, robot: RobotDescription) -> None:
+    def __init__(
+        self, settings: ControllerSettings, controller: Controller, robot: RobotDescription, trails: bool
+    ) -> None:
         self._settings = settings
         self._lag = robot.lag
+        pays = trails and robot.lag > 0.0 and settings.kind != "pass-through"
+        self._trail = Trail(settings, robot.lag) if pays else None
         self._keep = robot.radius + settings.d_min
         self._controller = controller
         self._scene: Scene | None = None
         self._centres = self._velocities = np.zeros((0, 3))
-        self._radii = np.zeros(0)
+        self._radii = self._speeds = np.zeros(0)
         self._moving = False
 
     def filter(self, ahead: Ahead) -> Filtered:
@@ -81,11 +90,18 @@ class SafetyFilter:
         if self._moving:
             old = (ahead.state.t_sample_ns - scene.t_sample_ns) * 1e-9
             centres = centres + self._velocities * (old + prediction.look + self._lag)
+        position = np.array(prediction.start)
+        radii = self._radii + margin.inflation
+        desired, kept, trail = np.array(ahead.desired), radii, self._trail if len(radii) else None
+        if trail is not None:
+            gaps = np.linalg.norm(position - centres, axis=1)
+            desired = trail.desired(desired, radii, gaps, self._speeds)
+            kept = trail.radii(radii, desired, norm(ahead.state.velocity), self._speeds)
         problem = ControlProblem(
-            position=np.array(prediction.start),
-            desired=np.array(ahead.desired),
+            position=position,
+            desired=desired,
             centres=centres,
-            radii=self._radii + margin.inflation,
+            radii=kept,
             velocities=self._velocities,
             sigmas=np.full(len(self._radii), margin.sigma),
         )
@@ -93,12 +109,33 @@ class SafetyFilter:
         solution = self._controller.solve(eased(problem, self._settings) or problem)
         plan, reason = safe_plan(problem, solution, self._settings)
         binding = scene.obstacles[solution.binding].id if solution.binding >= 0 else ""
-        return Filtered(plan, solution, binding, reason)
+        lag_part = 0.0
+        if trail is not None:
+            plan, reason = self._kept_from_corners(problem, radii, plan, reason, ahead)
+            parts = kept - radii
+            lag_part = float(parts[np.argmin(gaps - radii)])
+            trail.learn(desired, plan[0], float(np.max(parts)))
+        return Filtered(plan, solution, binding, reason, lag_part)
 
     def stand_still(self) -> Array:
         """A plan of zeros; the warm start is forgotten."""
         self._controller.reset()
         return zero_plan(self._settings)
+
+    def _kept_from_corners(
+        self, problem: ControlProblem, radii: Array, plan: Array, reason: str, ahead: Ahead
+    ) -> tuple[Array, str]:
+        """The plan as far as the body that trails behind it stays clear, and why it is not all of it."""
+        velocity = ahead.prediction.velocity or ahead.state.velocity
+        reach = np.sqrt(radii**2 + problem.sigmas)
+        motion = (np.array(velocity), self._lag, self._settings.period)
+        steps = clear_steps(problem, reach, plan, motion)
+        if steps == len(plan):
+            return plan, reason
+        plan = plan.copy()
+        plan[steps:] = 0.0
+        what = "stopped" if steps == 0 else f"plan cut after {steps} steps"
+        return plan, reason or f"the body trails through a margin: {what}"
 
     def _look_at(self, scene: Scene) -> None:
         """Turn a new scene into arrays once."""
@@ -109,4 +146,5 @@ class SafetyFilter:
         self._centres = np.array([o.position for o in scene.obstacles], dtype=float).reshape(n, 3)
         self._velocities = np.array([o.velocity for o in scene.obstacles], dtype=float).reshape(n, 3)
         self._radii = np.array([o.radius + self._keep for o in scene.obstacles], dtype=float)
+        self._speeds = np.sqrt(np.einsum("jk,jk->j", self._velocities, self._velocities))
         self._moving = bool(np.any(self._velocities))

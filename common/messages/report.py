@@ -22,8 +22,8 @@ class ControlReport(Message, frozen=True, kw_only=True):
         predicted: start state that the controller used (m).
         prediction_error: newest innovation (m).
         sigma: the paper's margin added to the barrier (m).
-        inflation: radius inflation (m).
-        margin_parts: named parts of the margin (m).
+        inflation: radius inflation of the nearest obstacle: the law's, and what the lag adds to it (m).
+        margin_parts: named parts of the margin (m); `lag` is what a body that trails behind its prediction costs.
         rtt, rtt_mean, rtt_std: network round trip, newest and over the window (s).
         loss: fraction of commands or states known to be lost.
         age: age of the oldest unanswered command (s).

@@ -8,6 +8,7 @@ class EchoPrediction(StatePredictor):
     """Command `seq` takes effect (seq - s) * period - hold after the sampled state, s the command applied there."""
 
     knows_plan = True
+    compensates_lag = True
 
     def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
         """See StatePredictor."""
@@ -17,9 +18,11 @@ class EchoPrediction(StatePredictor):
         if applied is None:
             return Prediction(start)
         period, held = known.period, state.applied_for_ns * 1e-9
-        start = moved(start, applied.velocity(0), max(0.0, period - held))
+        rest, body = max(0.0, period - held), state.velocity
+        start, body = moved(start, applied.velocity(0), rest), known.followed(body, applied.velocity(0), rest)
         for k in range(applied.seq + 1, seq):
             command = known.history.get(k)
             if command is not None:
-                start = moved(start, command.velocity(0), period)
-        return Prediction(start, max(0.0, (seq - applied.seq) * period - held))
+                velocity = command.velocity(0)
+                start, body = moved(start, velocity, period), known.followed(body, velocity, period)
+        return Prediction(start, max(0.0, (seq - applied.seq) * period - held), velocity=body)

@@ -4,6 +4,7 @@ A reported state is old, and the commands under way will still move the robot. E
 state for the controller.
 """
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
@@ -19,11 +20,13 @@ class Prediction:
     start: where the plan begins (m).
     look: time from the state's sample to the instant at which the new command takes effect (s).
     spread: largest distance between `start` and where the robot may be if commands were lost (m).
+    velocity: of the body there (m/s), where the law knows; None: as last reported.
     """
 
     start: Vector3
     look: float = 0.0
     spread: float = 0.0
+    velocity: Vector3 | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +55,12 @@ class Known:
         (x, y, z), (u, v, w), lag = state.position, state.velocity, self.lag
         return (x + lag * u, y + lag * v, z + lag * w)
 
+    def followed(self, body: Vector3, velocity: Vector3, duration: float) -> Vector3:
+        """The body's velocity after `duration` s at a commanded velocity, which it follows with its lag (m/s)."""
+        kept = math.exp(-duration / self.lag) if self.lag > 0.0 else 0.0
+        (u, v, w), (x, y, z) = velocity, body
+        return (u + kept * (x - u), v + kept * (y - v), w + kept * (z - w))
+
 
 class StatePredictor(ABC):
     """A prediction law. One small file, and one line in registry.py or an entry point in `farhand.predictors`.
@@ -62,9 +71,12 @@ class StatePredictor(ABC):
     Attributes:
         knows_plan: whether it counts on the robot playing out the plan behind a velocity; else every entry of
             the plan that is sent is the velocity itself.
+        compensates_lag: whether `start` is z = x + lag v and not the body's own position; what the body then
+            cuts from z's corners is added to every margin (operator_side/margins/lag.py).
     """
 
     knows_plan: ClassVar[bool] = False
+    compensates_lag: ClassVar[bool] = False
 
     def __init__(self, known: Known) -> None:
         self.known = known

@@ -15,6 +15,7 @@ class Timeline(StatePredictor):
     """
 
     knows_plan = True
+    compensates_lag = True
 
     def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
         """See StatePredictor."""
@@ -30,13 +31,14 @@ class Timeline(StatePredictor):
             return Prediction(z)
         travelled, base = applied.displacement(last * period), applied.displacement(held)
         branches = [shifted(z, travelled, base)]
-        playing = applied
+        playing, body = applied, state.velocity
         for j in range(under_way, last):
             command = known.history.get(applied.seq + j) if j > under_way else None
             if command is not None:
                 playing = command
                 branches.append(shifted(z, command.displacement((last - j) * period)))
             duration = period if j > under_way else (under_way + 1) * period - held
-            z = moved(z, playing.velocity(j - (playing.seq - applied.seq)), duration)
+            velocity = playing.velocity(j - (playing.seq - applied.seq))
+            z, body = moved(z, velocity, duration), known.followed(body, velocity, duration)
         spread = max(math.dist(branch, z) for branch in branches)
-        return Prediction(z, look, spread)
+        return Prediction(z, look, spread, body)

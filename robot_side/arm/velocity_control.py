@@ -6,7 +6,9 @@ A small quadratic program in (q', s), solved at every control period:
     s.t. 0 <= s <= 1,  q' within JointBounds,
 
 w = 4 log3(R_d R^T). Where the arm cannot follow it gives up speed (s) before it gives up direction, so
-that near singularities and limits the tool stays on the commanded line.
+that near singularities and limits the tool stays on the commanded line. Damping holds back what drives further
+into a singularity, and not what leads out of it: there it would outweigh the speed a thousandfold, and the arm
+would stick (see `escape`).
 """
 
 from typing import Protocol
@@ -23,6 +25,8 @@ LINE_WEIGHT = 100.0
 ORIENTATION_WEIGHT = 100.0
 SINGULAR_BELOW = 0.08  # smallest singular value of the Jacobian under which damping sets in
 MAX_DAMPING = 0.05
+PLAIN = 0.2
+"""Cosine to the gradient of the smallest singular value from which a motion leads out of a singularity plainly."""
 _LEAST_SPEED_WEIGHT = 1e-6
 
 
@@ -77,7 +81,7 @@ class DirectionKeeping:
         speed_weight = max(speed_squared, _LEAST_SPEED_WEIGHT)
         H, f = self._H, self._f
         H[:6, :6] = LINE_WEIGHT * (J_lin.T @ J_lin) + ORIENTATION_WEIGHT * (J_ang.T @ J_ang)
-        H[range(6), range(6)] += LINE_WEIGHT * damping(tool.jacobian)
+        H[range(6), range(6)] += LINE_WEIGHT * escaping_damping(tool.jacobian, np.concatenate([v, omega]))
         H[:6, 6] = H[6, :6] = -LINE_WEIGHT * (J_lin.T @ v)
         H[6, 6] = LINE_WEIGHT * speed_squared + speed_weight
         f[:6] = -ORIENTATION_WEIGHT * (J_ang.T @ omega)
@@ -120,7 +124,70 @@ class DampedLeastSquares:
 
 def damping(jacobian: Array) -> float:
     """0 where the arm is well conditioned, rising to MAX_DAMPING^2 where it is singular."""
-    smallest = float(np.linalg.svd(jacobian, compute_uv=False)[-1])
+    return _damping_at(float(np.linalg.svd(jacobian, compute_uv=False)[-1]))
+
+
+def escaping_damping(jacobian: Array, twist: Array) -> float:
+    """`damping`, taken back as far as the wanted motion leads out of the singularity.
+
+    Args:
+        jacobian: (6, 6) of the tool in base, linear over angular.
+        twist: (6,) that is wanted, linear over angular (m/s, rad/s).
+    """
+    U, singular, Vt = np.linalg.svd(jacobian)
+    if singular[-1] >= SINGULAR_BELOW or not np.isfinite(twist).all():
+        return _damping_at(float(singular[-1]))
+    # Straight out of the singular values: the singular direction decides, as it alone needs fast joints.
+    qd = Vt.T @ ((U.T @ twist) / np.maximum(singular, 1e-4))
+    return _damping_at(float(singular[-1])) * (1.0 - escape(jacobian, U[:, -1], Vt[-1], qd))
+
+
+def escape(jacobian: Array, left: Array, right: Array, qd: Array) -> float:
+    """How plainly joint velocities lead out of a singularity: 0 (not at all, or along it) to 1.
+
+    The smallest singular value changes at u^T dJ/dt w, u and w its singular vectors. For revolute joints column i
+    of J changes with joint j by (z_j x J_lin,i; z_j x z_i) if j <= i, else by (z_i x J_lin,j; 0), z_i = J_ang,i:
+    so its gradient takes nothing but J. Returned is the cosine between gradient and qd over PLAIN, within 0 and 1.
+
+    Args:
+        jacobian: (6, n) of the tool in base, linear over angular.
+        left, right: (6,), (n,) singular vectors of the smallest singular value.
+        qd: (n,) rad/s.
+    """
+    gradient = singular_value_gradient(jacobian, left, right)
+    scale = float(np.linalg.norm(gradient) * np.linalg.norm(qd))
+    if scale <= 0.0:
+        return 0.0
+    return float(np.clip(gradient @ qd / (PLAIN * scale), 0.0, 1.0))
+
+
+def singular_value_gradient(jacobian: Array, left: Array, right: Array) -> Array:
+    """(n,) derivatives of the singular value with vectors `left` (6,), `right` (n,) by the joint positions."""
+    lin, axes = jacobian[:3].T, jacobian[3:].T
+    # What lies after a joint turns with it; what lies before sees the tool shifted by it.
+    turned = _sums_from(lin * right[:, None])
+    axes_after = _sums_from(axes * right[:, None])
+    axes_before = axes_after[0] - axes_after
+    # a . (b x c) = c . (a x b)
+    return np.einsum("jk,jk->j", turned, _cross(left[:3], axes)) + (
+        np.einsum("jk,jk->j", axes_after, _cross(left[3:], axes))
+        - np.einsum("jk,jk->j", axes_before, _cross(left[:3], lin))
+    )
+
+
+def _sums_from(rows: Array) -> Array:
+    """Row j: the sum of rows j and after."""
+    sums: Array = np.cumsum(rows[::-1], axis=0)[::-1]
+    return sums
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """(n, 3): a x each row of b; ten times faster than numpy's for so few."""
+    x, y, z = a
+    return b @ np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+
+
+def _damping_at(smallest: float) -> float:
     if smallest >= SINGULAR_BELOW:
         return 0.0
     return MAX_DAMPING**2 * (1.0 - (smallest / SINGULAR_BELOW) ** 2)
