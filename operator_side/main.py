@@ -61,7 +61,8 @@ def run_operator(
         node: the node, with its listeners; its solver is compiled already.
         clock: of this process.
         stop_event: ends it.
-        time_limit: after the first motion command, or after the start if there was none (s); None: no limit.
+        time_limit: after the first motion command; until there is one, after the start, or after another
+            operator gave control up, which is waited for without a limit (s); None: no limit.
         slot: through which other threads change the node.
         realtime: ask for SCHED_FIFO.
     """
@@ -69,6 +70,9 @@ def run_operator(
     start_ns = clock.now_ns()
 
     def over(now_ns: int) -> bool:
+        nonlocal start_ns
+        if node.waits:
+            start_ns = now_ns
         since_ns = node.driving_since_ns or start_ns
         late = limit_ns is not None and now_ns - since_ns >= limit_ns
         return node.finished or late or stop_event.is_set()

@@ -6,6 +6,7 @@ link -> perception (newest state, scene, description) -> round trip, innovations
      -> velocity command with its plan -> link,  and a report of it all.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -22,6 +23,7 @@ from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.delay_limits import beyond_limits
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.perception import Perception
@@ -120,13 +122,19 @@ class OperatorNode:
         self._targets = Targets(scenario.operator.tolerance)
         self._supervision = Supervision(who.session, who.name)
         self._writer = ReportWriter(who.name, who.session, self._perception, self.round_trip)
-        self._seq = -1
+        self._seq, self._refused_after = -1, 0.0  # s from the first command to news of stale ones
         self.driving_since_ns: int | None = None  # instant of the first `run` command
 
     @property
     def finished(self) -> bool:
         """Whether every target has been reached."""
         return self._targets.finished
+
+    @property
+    def waits(self) -> bool:
+        """Whether another session holds control."""
+        state = self._perception.state
+        return state is not None and state.holder not in (0, self.session)
 
     @property
     def state(self) -> RobotState | None:
@@ -178,7 +186,7 @@ class OperatorNode:
         mind = self._know_the_robot()
         steering = None
         if state is not None and scene is not None and mind is not None:
-            self._targets.update(state, scene)
+            self._targets.update(state, scene, driving=state.holder == self.session)
             steering = self.device.read(View(state, scene, self._targets, now_ns))
         decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
         mode, reason = decision.mode, decision.reason
@@ -193,6 +201,7 @@ class OperatorNode:
                 reason = why or reason
                 if self.driving_since_ns is None:
                     self.driving_since_ns = now_ns
+            reason = self._why_in_the_end(mode, reason, state, mind.robot, now_ns)
         desired = steering.velocity if steering is not None else ZERO
         velocities = self._velocities(filtered)
         payload = None
@@ -263,12 +272,28 @@ class OperatorNode:
         )
         return prediction, margin
 
+    def _why_in_the_end(
+        self, mode: CommandMode | None, reason: str, state: RobotState, robot: RobotDescription, now_ns: int
+    ) -> str:
+        """The reason, or the limit behind it; a robot that refuses all as stale answers with that alone."""
+        if self.round_trip.count == 0 and not self._refused_after and state.refused.get("stale"):
+            self._refused_after = self.round_trip.age(now_ns)
+        if mode == "run" or self._refused_after:
+            return self._beyond_limits(robot) or reason
+        return reason
+
+    def _beyond_limits(self, robot: RobotDescription) -> str:
+        """Which setting the round trip is too long for, and what would do; empty where there is none."""
+        resync_after = self.scenario.operator.resync_after if self._margin.resyncs else math.inf
+        rtt = self.round_trip.mean if self.round_trip.count else self._refused_after
+        return beyond_limits(rtt, resync_after, robot.max_age)
+
     def _decide_plan(self, mind: "_Mind", ahead: Ahead, now_ns: int) -> tuple[Filtered | None, str]:
         """The filtered plan, or None and why the robot shall stand."""
         if self._margin.resyncs and self.round_trip.age(now_ns) > self.scenario.operator.resync_after:
             # Rule 3: after silence nothing is known of what the robot did; stand until it answers.
             mind.filter.stand_still()
-            return None, STALE_STATE
+            return None, self._beyond_limits(mind.robot) or STALE_STATE
         filtered = mind.filter.filter(ahead)
         return filtered, filtered.reason
 

@@ -41,7 +41,13 @@ def operator(
     ] = "",
     seed: Annotated[int, typer.Option(min=0, help="Seed of the run, noted in its recording.")] = 0,
     time_limit: Annotated[
-        float | None, typer.Option(min=0.1, max=1e6, help="Give up this long after the first motion, s.")
+        float | None,
+        typer.Option(
+            min=0.1,
+            max=1e6,
+            help="Give up this long after the first motion (after the start, until there is one), s; waiting "
+            "for control that another operator holds does not count.",
+        ),
     ] = None,
     record: Annotated[
         Path | None, typer.Option(help="Record what arrives and what is decided, for `farhand replay`.")

@@ -198,9 +198,29 @@ def _check_sense(scenario: Scenario, where: str) -> None:
                 f"scenario {where}: start: lies {gap:.3f} m from obstacle {obstacle.id!r}; "
                 f"at least robot.radius + controller.d_min = {keep:.3f} m is needed"
             )
+    _check_targets(scenario, where, keep)
     safety = scenario.safety
+    fastest = max(scenario.controller.speed_limit)
+    if fastest > safety.max_speed:
+        raise ScenarioError(
+            f"scenario {where}: controller.speed_limit: {fastest:g} m/s is above safety.max_speed, "
+            f"{safety.max_speed:g} m/s, beyond which the robot refuses commands"
+        )
     if safety.stop_timeout < safety.command_timeout:
         raise ScenarioError(
             f"scenario {where}: safety.stop_timeout: {safety.stop_timeout} s is shorter than "
             f"safety.command_timeout, {safety.command_timeout} s"
         )
+
+
+def _check_targets(scenario: Scenario, where: str, keep: float) -> None:
+    """Raise ScenarioError where a target lies in an obstacle that stays, or nearer to it than may be driven."""
+    for index, target in enumerate(scenario.targets):
+        for obstacle in scenario.obstacles:
+            gap = distance(target, obstacle.position) - obstacle.radius
+            if gap < keep and not any(obstacle.velocity):
+                lies = f"{-gap:.3f} m inside" if gap < 0.0 else f"{gap:.3f} m from"
+                raise ScenarioError(
+                    f"scenario {where}: targets[{index}]: lies {lies} obstacle {obstacle.id!r}; "
+                    f"at least robot.radius + controller.d_min = {keep:.3f} m is needed"
+                )

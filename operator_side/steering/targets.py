@@ -25,10 +25,10 @@ class Targets:
         self.count = 0
         self.next: Vector3 | None = None
 
-    def update(self, state: RobotState, scene: Scene) -> None:
-        """Look at where the robot last said it was."""
+    def update(self, state: RobotState, scene: Scene, *, driving: bool = True) -> None:
+        """Look at where the robot last said it was; what it passes while another one is `driving` does not count."""
         self.count = len(scene.targets)
-        while self.reached < self.count:
+        while driving and self.reached < self.count:
             offset = [t - x for t, x in zip(scene.targets[self.reached], state.position, strict=True)]
             if math.hypot(*offset) > self._tolerance:
                 break

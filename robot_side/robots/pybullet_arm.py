@@ -20,6 +20,7 @@ from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 
+_REACH = "it reaches 0.27 to 0.7 m from its axis, 0.1 to 0.6 m high"
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
 
 
@@ -29,12 +30,13 @@ class ArmWorld:
     Args:
         scenario: start, joints, and the obstacles that the start must be clear of.
 
-    Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
+    Raises ScenarioError when the arm cannot reach start or targets, or would stand in a collision at the start.
     """
 
     def __init__(self, scenario: RobotScenario) -> None:
         self.kinematics = Kinematics()
         self._q = _start_configuration(self.kinematics, scenario)
+        _check_targets(self.kinematics, self._q, scenario)
         self._bullet, self._client = connect()
         try:
             self._load_arm()
@@ -100,7 +102,7 @@ class UR5Robot(ArmWorld, Robot):
     Args:
         scenario: start, joints, velocity control, and the obstacles that the start must be clear of.
 
-    Raises ScenarioError when the arm cannot reach the start or would stand in a collision there.
+    Raises ScenarioError when the arm cannot reach start or targets, or would stand in a collision at the start.
     """
 
     joint_names = JOINTS
@@ -185,6 +187,16 @@ def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Arr
         x, y, z = scenario.start
         raise ScenarioError(
             f"scenario {scenario.name}: start: unreachable by the UR5 with the tool down: "
-            f"({x:g}, {y:g}, {z:g}) m; it reaches 0.27 to 0.7 m from its axis, 0.1 to 0.6 m high"
+            f"({x:g}, {y:g}, {z:g}) m; {_REACH}"
         )
     return q
+
+
+def _check_targets(kinematics: Kinematics, q: Array, scenario: RobotScenario) -> None:
+    for index, target in enumerate(scenario.targets):
+        if kinematics.inverse_tool_down(target, q) is None:
+            x, y, z = target
+            raise ScenarioError(
+                f"scenario {scenario.name}: targets[{index}]: unreachable by the UR5 with the tool down: "
+                f"({x:g}, {y:g}, {z:g}) m; {_REACH}"
+            )

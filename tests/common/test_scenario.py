@@ -14,6 +14,7 @@ from farhand.runs.scenario import (
     load_scenario,
     parse_scenario,
     replace_setting,
+    replace_settings,
     scenario_from_table,
     scenario_to_table,
 )
@@ -99,6 +100,13 @@ def test_errors_name_the_key_and_are_one_line(old, new, key):
         ("controller.horizon", 2.5, "controller.horizon"),
         ("controller.d_min", -1.0, "controller.d_min"),
         ("controller.d_min", 0.6, "controller.d_min"),
+        (
+            "controller.speed_limit",
+            [0.3, 2.5, 0.3],
+            "controller.speed_limit: 2.5 m/s is above safety.max_speed",
+        ),
+        ("targets", [[1.0, 0.0, 0.0], [0.5, 0.05, 0.0]], "targets[1]: lies 0.050 m inside obstacle 'ball'"),
+        ("targets", [[0.62, 0.0, 0.0]], "targets[0]: lies 0.020 m from obstacle 'ball'"),
         ("controller.solver", "magic", "controller.solver"),
         ("controller.speed_limit", [0.3, 0.3], "controller.speed_limit"),
         ("controller.p_omega", 10**400, "controller.p_omega"),
@@ -182,3 +190,21 @@ def test_any_value_for_a_key_is_taken_or_a_scenario_error(key, value):
     assert line.startswith("scenario x: ")
     assert "\n" not in line
     assert found is None or scenario_from_table(scenario_to_table(found), "x") == found
+
+
+def test_settings_are_judged_together_whatever_their_order():
+    base = parse_scenario(GOOD, "x")
+    pairs = [
+        {"controller.speed_limit": [3.0] * 3, "safety.max_speed": 3.0},
+        {"safety.stop_timeout": 0.2, "safety.command_timeout": 0.1},
+        {"targets": [[0.5, 0.0, 0.0]], "obstacles": []},
+    ]
+    for settings in pairs:
+        found = replace_settings(base, settings)
+        assert found == replace_settings(base, dict(reversed(settings.items())))
+
+
+def test_an_obstacle_that_moves_may_be_where_a_target_is():
+    table = scenario_to_table(parse_scenario(GOOD, "x")) | {"targets": [[0.5, 0.0, 0.0]]}
+    table["obstacles"][0]["velocity"] = [0.1, 0.0, 0.0]
+    assert scenario_from_table(table, "x").targets == ((0.5, 0.0, 0.0),)

@@ -256,7 +256,10 @@ def test_the_obstacles_are_those_of_the_wire_and_the_newest_of_them():
     bench.tick()
     problem = controller.problems[-1]
     assert problem.centres.tolist() == [[3.0, 0.0, 0.0]]
-    assert problem.radii.tolist() == pytest.approx([0.5 + 0.1 + 0.01 + 0.02])
+    assert problem.radii.tolist() == pytest.approx([0.5 + 0.1 + 0.01 + 0.02], abs=5e-4)
+    lag_part = bench.node.report.margin_parts["lag"]
+    assert problem.radii[0] - 0.63 == pytest.approx(lag_part)
+    assert bench.node.report.inflation == pytest.approx(0.02 + lag_part)
 
 
 def test_moving_obstacles_are_taken_to_where_they_will_be():

@@ -8,7 +8,7 @@ from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import HOME
-from farhand.robot_side.arm.velocity_control import DirectionKeeping
+from farhand.robot_side.arm.velocity_control import DirectionKeeping, singular_value_gradient
 from farhand.robot_side.robots.pybullet_arm import UR5Robot
 from farhand.runs.scenario import load_scenario, replace_setting
 
@@ -115,3 +115,38 @@ def test_nonsense_brakes_instead_of_raising():
         v = rng.normal(0, 1, 3) * 10 ** rng.uniform(-6, 6)
         qd = control.joint_velocity(q, np.zeros(6), tool, v, DT)
         assert np.abs(qd).max() <= A_MAX * DT + 1e-12
+
+
+LEAVING = [
+    pytest.param((0.3, 0.0, 0.0), (-0.3, 0.0, 0.0), id="stretched, back"),
+    pytest.param((0.3, 0.0, 0.0), (-0.27, 0.12, 0.0), id="stretched, towards the axis"),
+    pytest.param((0.3, 0.0, 0.0), (0.0, 0.0, -0.3), id="stretched, down"),
+    pytest.param((0.0, 0.0, 0.3), (0.0, 0.0, -0.3), id="up, down again"),
+    pytest.param((0.0, 0.0, 0.3), (-0.3, 0.0, 0.0), id="up, sideways"),
+]
+
+
+@pytest.mark.parametrize(("there", "back"), LEAVING)
+def test_the_edge_of_reach_is_left_at_once(there, back):
+    robot = UR5Robot(SCENARIO)
+    for _ in range(4000):
+        robot.step(there, DT)
+    edge = np.array(robot.sample().position)
+    direction = np.array(back) / np.linalg.norm(back)
+    for _ in range(350):
+        robot.step(back, DT)
+    moved = np.array(robot.sample().position) - edge
+    robot.close()
+    assert moved @ direction > 0.1  # within 0.7 s; at full speed 0.2
+    assert np.linalg.norm(moved - (moved @ direction) * direction) < 0.002
+
+
+def test_the_gradient_of_the_smallest_singular_value():
+    kinematics, rng = Kinematics(), stream(4, "configurations")
+    smallest = lambda q: np.linalg.svd(kinematics.tool(q).jacobian, compute_uv=False)[-1]  # noqa: E731
+    for _ in range(20):
+        q = rng.uniform(-2.0, 2.0, 6)
+        U, _, Vt = np.linalg.svd(kinematics.tool(q).jacobian)
+        found = singular_value_gradient(kinematics.tool(q).jacobian, U[:, -1], Vt[-1])
+        steps = 1e-6 * np.eye(6)
+        assert found == pytest.approx([(smallest(q + s) - smallest(q - s)) / 2e-6 for s in steps], abs=1e-6)
