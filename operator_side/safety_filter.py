@@ -70,7 +70,7 @@ class SafetyFilter:
         self._settings = settings
         self._lag = robot.lag
         pays = trails and robot.lag > 0.0 and settings.kind != "pass-through"
-        self._trail = Trail(settings, robot.lag) if pays else None
+        self._trail = Trail(settings.speed_limit, robot.lag) if pays else None
         self._keep = robot.radius + settings.d_min
         self._controller = controller
         self._scene: Scene | None = None

@@ -3,8 +3,8 @@
 import numpy as np
 
 from farhand.common.geometry import Array, norm
+from farhand.common.messages.base import Vector3
 from farhand.operator_side.margins.lag import radii_for_lag, trails_that_fit
-from farhand.operator_side.settings import ControllerSettings
 
 SLOWEST = 0.1
 """Share of the speed that is always left."""
@@ -22,14 +22,14 @@ class Trail:
     and step by step while the robot is held up; step by step it is let go again.
 
     Args:
-        settings: of the safety filter.
+        speed_limit: u_b for each axis (m/s).
         lag: of the robot (s), above 0.
     """
 
-    def __init__(self, settings: ControllerSettings, lag: float) -> None:
+    def __init__(self, speed_limit: Vector3, lag: float) -> None:
         self._lag = lag
-        self._fastest = norm(settings.speed_limit)
-        self._slowest = SLOWEST * min(settings.speed_limit)
+        self._fastest = norm(speed_limit)
+        self._slowest = SLOWEST * min(speed_limit)
         self._pace = 1.0
 
     def desired(self, wanted: Array, radii: Array, gaps: Array, speeds: Array) -> Array:

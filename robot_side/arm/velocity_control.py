@@ -169,10 +169,11 @@ def singular_value_gradient(jacobian: Array, left: Array, right: Array) -> Array
     axes_after = _sums_from(axes * right[:, None])
     axes_before = axes_after[0] - axes_after
     # a . (b x c) = c . (a x b)
-    return np.einsum("jk,jk->j", turned, _cross(left[:3], axes)) + (
+    gradient: Array = np.einsum("jk,jk->j", turned, _cross(left[:3], axes)) + (
         np.einsum("jk,jk->j", axes_after, _cross(left[3:], axes))
         - np.einsum("jk,jk->j", axes_before, _cross(left[:3], lin))
     )
+    return gradient
 
 
 def _sums_from(rows: Array) -> Array:
@@ -184,7 +185,8 @@ def _sums_from(rows: Array) -> Array:
 def _cross(a: Array, b: Array) -> Array:
     """(n, 3): a x each row of b; ten times faster than numpy's for so few."""
     x, y, z = a
-    return b @ np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    product: Array = b @ np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    return product
 
 
 def _damping_at(smallest: float) -> float:

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from farhand.laboratory.simulation import simulate
 from farhand.operator_side.margins.lag import radii_for_lag, trails_that_fit
 from farhand.operator_side.margins.trail import SLOWEST, Trail
-from farhand.operator_side.settings import ControllerSettings
 from farhand.runs.scenario import load_scenario, replace_settings
 
 radius = st.floats(0.01, 5.0)
@@ -34,7 +33,7 @@ def test_no_lag_costs_nothing_and_small_lag_half_its_square():
 
 
 def test_a_wish_is_slowed_down_only_where_its_lag_part_would_grow_over_z():
-    own = Trail(ControllerSettings(speed_limit=(1.0, 1.0, 1.0)), 1.0)
+    own = Trail((1.0, 1.0, 1.0), 1.0)
     wanted, radii, still = np.array([1.0, 0.0, 0.0]), np.array([0.5]), np.zeros(1)
     assert own.desired(wanted, radii, np.array([5.0]), still) is wanted
     slowed = own.desired(wanted, radii, np.array([0.6]), still)
@@ -44,7 +43,7 @@ def test_a_wish_is_slowed_down_only_where_its_lag_part_would_grow_over_z():
 
 
 def test_who_is_held_up_slows_down_step_by_step_and_is_let_go_again():
-    own = Trail(ControllerSettings(speed_limit=(1.0, 1.0, 1.0)), 1.0)
+    own = Trail((1.0, 1.0, 1.0), 1.0)
     wanted, far = np.array([1.0, 0.0, 0.0]), (np.array([0.5]), np.array([9.0]), np.zeros(1))
     for _ in range(100):
         own.learn(wanted, np.zeros(3), 0.3)
