@@ -2,7 +2,9 @@
 
 At every instant the body heads for z. If z stopped now, the body would run along the segment from x to z, and no
 nearer to anything than that segment. So a plan is followed as far as the segment stays clear after each step; from
-there z stands still, the body catches up, and the segment only shrinks. This holds for every path and any lag.
+there z stands still, the body catches up, and the segment only shrinks. This holds for every path and any lag,
+but for what the barrier's samples leave open anyway: a straight step of length s between two points at R passes
+h = -s^2 / 4. That much is let pass; else a robot that stands on a margin could not go along it.
 """
 
 import math
@@ -38,8 +40,16 @@ def clear_steps(
     centres = problem.centres[:, None] + after * problem.velocities[:, None]
     gaps = _gaps(along[1:] - centres, lag * (velocities[1:] - problem.velocities[:, None]))
     standing = _gaps(along[:-1] - centres, lag * (kept * velocities[:-1] - problem.velocities[:, None]))
-    fine = np.all(gaps >= np.minimum(radii[:, None], standing) - NEAR, axis=0)
+    speeds = np.sqrt(np.einsum("ik,ik->i", plan, plan))
+    step = dt * (np.maximum(speeds, np.linalg.norm(velocities[:-1], axis=1)) + _speeds(problem)[:, None])
+    kept_clear = np.sqrt(np.maximum(radii[:, None] ** 2 - 0.25 * step**2, 0.0))
+    fine = np.all(gaps >= np.minimum(kept_clear, standing) - NEAR, axis=0)
     return n if fine.all() else int(np.argmin(fine))
+
+
+def _speeds(problem: ControlProblem) -> Array:
+    speeds: Array = np.sqrt(np.einsum("jk,jk->j", problem.velocities, problem.velocities))
+    return speeds
 
 
 def _gaps(z: Array, trail: Array) -> Array:

@@ -10,7 +10,8 @@ from farhand.operator_side.control.checks.body import clear_steps
 from farhand.testing import problem
 
 DT, KEPT = 0.1, 0.5
-speed = st.floats(-2.0, 2.0)
+speed = st.floats(-1.0, 1.0)
+LET = math.sqrt(KEPT**2 - (math.sqrt(2.0) * DT) ** 2 / 4)  # between two samples of a step at full speed
 
 
 @settings(max_examples=200, deadline=None)
@@ -32,8 +33,14 @@ def test_a_body_whose_plans_are_cut_stays_clear(angle, off, lag, first, wanted):
         applied = plan[0] if steps else np.zeros(3)
         v = kept * v + (1 - kept) * applied
         x = z + applied * DT - lag * v
-        assert np.linalg.norm(x) > KEPT - 1e-3
-        assert _gap_of_segment(x, x + lag * v) > KEPT - 1e-3
+        assert np.linalg.norm(x) > LET - 1e-3
+        assert _gap_of_segment(x, x + lag * v) > LET - 1e-3
+
+
+def test_a_robot_that_stands_on_a_margin_may_go_along_it():
+    at = problem(position=(0.0, KEPT, 0.0), centres=[[0, 0, 0]], radii=[KEPT])
+    plan = np.tile([0.25, 0.0, 0.0], (5, 1)) + np.linspace(0.0, 0.2, 5)[:, None] * [0.0, -0.1, 0.0]
+    assert clear_steps(at, np.array([KEPT]), plan, (np.zeros(3), 0.016, DT)) > 0
 
 
 def test_a_plan_round_a_tight_bend_is_cut_and_one_on_the_straight_is_not():
