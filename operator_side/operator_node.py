@@ -18,6 +18,7 @@ from farhand.common.messages.command import CommandMode, VelocityCommand
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import command_key
 from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
@@ -139,6 +140,11 @@ class OperatorNode:
         return self._perception.description
 
     @property
+    def scene(self) -> Scene | None:
+        """What the robot says is around it, as it came last."""
+        return self._perception.scene
+
+    @property
     def successor(self) -> int:
         """The session that control is being handed over to; 0 once that is done, or it waits no more."""
         return self._supervision.successor
@@ -180,6 +186,7 @@ class OperatorNode:
         if state is not None and scene is not None and mind is not None:
             self._targets.update(state, scene)
             steering = self.device.read(View(state, scene, self._targets, now_ns))
+        self._supervision.twins = self._perception.twins(now_ns)
         decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
         mode, reason = decision.mode, decision.reason
         prediction, margin, filtered, solve_time = Prediction(ZERO), Margin(), None, 0.0

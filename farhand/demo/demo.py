@@ -49,11 +49,10 @@ def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: Sta
         for words in _words(run, folder, operator_side, robot_side, report):
             children.start(words.COMMAND, words.words())
         reader = ReportReader(report, run.scenario.robot.kind, clock)
-        start_ns = clock.now_ns()
         with view:
             while True:
                 ended = children.ended()
-                view.update(reader.read(), (clock.now_ns() - start_ns) * 1e-9)
+                view.update(reader.read(), clock.now_ns(), reader.connected())
                 if ended or stop_event.wait(0.1):
                     break
     finally:

@@ -10,6 +10,7 @@ from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import check_robot_name, description_key, scene_key, state_key
 from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
 from farhand.common.process.security import Access, guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
@@ -28,7 +29,7 @@ from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_o
 from farhand.programs.series import Series
 from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, versions
-from farhand.runs.difference import difference
+from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario, scenario_to_table
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
@@ -50,8 +51,10 @@ class Course:
         self.series: Series[Sample] = Series()
         self._node, self._tell = node, tell
         self._scenario = scenario
-        self._said = self._differs = ""
+        self._said = ""
+        self._differs: set[str] = set()
         self._robot: RobotDescription | None = None
+        self._scene: Scene | None = None
 
     def __call__(self, report: ControlReport) -> None:
         """Hear of one tick."""
@@ -60,17 +63,22 @@ class Course:
         if report.stop_reason != self._said:
             self._said = report.stop_reason
             self._tell(self._said or "driving")
-        robot = self._node.robot
+        self._compare()
+
+    def _compare(self) -> None:
+        """Say, once, where description or scene differ from the scenario."""
+        robot, scene = self._node.robot, self._node.scene
         if robot is not None and robot is not self._robot:
             self._robot = robot
-            self._look_at(robot)
+            self._tell_new(difference(robot, self._scenario))
+        if scene is not None and scene is not self._scene:
+            self._scene = scene
+            self._tell_new(scene_difference(scene, self._scenario))
 
-    def _look_at(self, robot: RobotDescription) -> None:
-        differs = difference(robot, self._scenario)
-        if differs != self._differs:
-            self._differs = differs
-            if differs:
-                self._tell(differs)
+    def _tell_new(self, line: str) -> None:
+        if line and line not in self._differs:
+            self._differs.add(line)
+            self._tell(line)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,7 +140,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         if report_session is not None:
             report_link = ZenohLink(report_session, [], clock)
             closing.callback(report_link.close)
-            node.listeners.append(ReportPublisher(report_link, robot))
+            node.listeners.append(ReportPublisher(report_link, robot, lambda: not watch.alone))
         slot = Slot()
         handover = HandoverServer(node, slot, clock, report_session, robot, options.report, teller.say)
         closing.callback(handover.close)
@@ -145,7 +153,9 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             return link.losses() | (recorder.troubles() if recorder is not None else {})
 
         unheard = _unheard(robot, folder, access.router)
-        PeerWatch("operator", access.where, link.connected, stop_event, heard.is_set, unheard, troubles)
+        watch = PeerWatch(
+            "operator", access.where, link.connected, stop_event, heard.is_set, unheard, troubles
+        )
         outcome = run_operator(
             node, clock, stop_event, time_limit=options.time_limit, slot=slot, realtime=options.realtime
         )
