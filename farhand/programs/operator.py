@@ -6,6 +6,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
+
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import check_robot_name, description_key, scene_key, state_key
@@ -135,6 +137,9 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         guard(session, folder, robot, "operator", teller.say)
         identity = OperatorIdentity(robot, random_session(), called)
         node = make_operator(scenario, link, identity, controller, processor_seconds)
+        if node.device.acknowledges_itself:
+            kind = scenario.steering.kind
+            teller.say(f"steering {kind!r} acknowledges stops by itself, but never an emergency stop")
         course = Course(node, scenario, teller.say)
         node.listeners.append(course)
         if report_session is not None:
@@ -190,21 +195,24 @@ def _result(
     node: OperatorNode, outcome: OperatorOutcome, course: Course, controller: Controller
 ) -> OperatorResult:
     rtt_mean, rtt_std = node.round_trip.overall()
-    return OperatorResult(
-        finished=outcome.finished,
+    tally = course.tally
+    counted = msgspec.structs.replace(
+        tally.counts(),
         duration=outcome.duration,
         rtt_mean=rtt_mean,
         rtt_std=rtt_std,
-        ticks=course.tally.ticks,
-        interventions=course.tally.interventions,
-        infeasible=course.tally.infeasible,
         overruns=outcome.overruns,
         lateness_p99=outcome.lateness_p99,
+    )
+    return OperatorResult(
+        **msgspec.structs.asdict(counted),
+        finished=outcome.finished,
         has_realtime_priority=outcome.has_realtime_priority,
         solver=controller.settings.solver,
         notice=controller.solver_notice,
         series=course.series.samples(),
-        last_report=course.tally.last,
+        silences=tally.silences(node.driving_since_ns or 0),
+        last_report=tally.last,
     )
 
 

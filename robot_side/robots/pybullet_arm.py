@@ -171,6 +171,12 @@ class UR5Robot(ArmWorld, Robot):
         nearest = self._obstacles.nearest(obstacles)
         return None if nearest is None else nearest[0]
 
+    def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
+        """See Robot."""
+        index, obstacle = self._obstacles.nearest_link(obstacles)
+        names = {number: name for name, number in self.link_indices.items()}
+        return names.get(index, "base") if obstacle else "", obstacle
+
     def _read(self) -> None:
         states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)
         self._q = np.array([state[0] for state in states])
