@@ -12,6 +12,8 @@ The sample in a RobotState is the state at `now_ns`, before that tick's step.
 import math
 from collections.abc import Sequence
 
+import msgspec
+
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.base import ZERO, SafetyMode
 from farhand.common.messages.codec import encode
@@ -197,6 +199,14 @@ class RobotNode:
             return None
         return clearance
 
+    def _held_by(self, now_ns: int) -> str | msgspec.UnsetType:
+        """What the robot says holds it; left out where nothing does."""
+        try:
+            return self._robot.held_by()[:64] or msgspec.UNSET
+        except Exception as error:
+            self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
+            return msgspec.UNSET
+
     def _send_state(self, now_ns: int) -> None:
         watchdog, sample = self.watchdog, self._sample
         arm_clearance = self._arm_clearance(now_ns)
@@ -226,6 +236,7 @@ class RobotNode:
             refused=self.intake.refused(),
             received=self.intake.arrived,
             stops=watchdog.stops,
+            held_by=self._held_by(now_ns),
         )
         self._state_seq += 1
         self._link.send(Packet(state_key(self._name), encode(state)))
