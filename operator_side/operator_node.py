@@ -153,6 +153,15 @@ class OperatorNode:
         """Give control to a session that waits for it, from the next tick on until the robot says so."""
         self._supervision.successor = successor
 
+    def emergency_stop(self) -> None:
+        """Send emergency stops from the next tick on until the robot says that it has latched one."""
+        self._supervision.estop = True
+
+    @property
+    def stopping(self) -> bool:
+        """Whether an emergency stop that was asked for is not confirmed yet."""
+        return self._supervision.estop
+
     def step(self, now_ns: int) -> int:
         """One tick if it is due; returns the instant of the next."""
         periods = self._ticks.due(now_ns)

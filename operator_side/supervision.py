@@ -3,6 +3,7 @@
 | situation | command |
 |---|---|
 | the device's emergency stop | estop |
+| somebody's on this host, until the robot has latched it | estop |
 | no state, no scene or no description yet | nothing is sent |
 | two robots of this name send states | hold |
 | another session holds control | acknowledge, once a second, which asks for it and is refused |
@@ -115,6 +116,7 @@ class Supervision:
     Attributes:
         successor: the session to hand over to; 0: none.
         twins: whether two robots of one name send states.
+        estop: whether somebody asked for an emergency stop that the robot has not confirmed yet.
     """
 
     def __init__(self, session: int, name: str) -> None:
@@ -123,6 +125,7 @@ class Supervision:
         self._asked_ns: int | None = None
         self.successor = 0
         self.twins = False
+        self.estop = False
 
     def step(
         self, state: RobotState | None, lacking: str, steering: SteeringInput | None, now_ns: int
@@ -130,6 +133,10 @@ class Supervision:
         """The decision of a tick."""
         if state is not None:
             self._look(state)
+        if self.estop and state is not None and state.mode == "estop":
+            self.estop = False  # the robot has latched it; from here on an acknowledgement counts
+        if self.estop:
+            return Decision("estop", "emergency stop, asked for by `farhand estop`")
         me = Seat(self._session, self._name, self._waited_for, self.successor)
         decision = decide(state, lacking, steering, me)
         if state is not None and self.twins and decision.mode not in (None, "estop"):

@@ -46,6 +46,10 @@ def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: Sta
     try:
         for words in _words(run, folder, operator_side, robot_side, report):
             children.start(words.COMMAND, words.words())
+        name = run.scenario.robot.kind
+        view.note(
+            f"elsewhere: farhand watch --connect {report} --robot {name}; to stop it: farhand estop, likewise"
+        )
         reader = ReportReader(report, run.scenario.robot.kind, clock)
         with view:
             while True:

@@ -189,6 +189,10 @@ class StatusView:
         if self._live is not None:
             self._live.stop()
 
+    def note(self, text: str) -> None:
+        """One line above the status."""
+        self._console.print(text, style="dim", markup=False, highlight=False, soft_wrap=True)
+
     def update(self, reports: Iterable[Arrived], now_ns: int, connected: bool) -> None:
         """Show what may be shown at `now_ns`.
 

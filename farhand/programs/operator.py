@@ -33,6 +33,7 @@ from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, versions
 from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario, scenario_to_table
+from farhand.site.estop import EstopServer
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
 
@@ -53,7 +54,7 @@ class Course:
         self.series: Series[Sample] = Series()
         self._node, self._tell = node, tell
         self._scenario = scenario
-        self._said = ""
+        self._said = self._held = ""
         self._differs: set[str] = set()
         self._robot: RobotDescription | None = None
         self._scene: Scene | None = None
@@ -65,6 +66,9 @@ class Course:
         if report.stop_reason != self._said:
             self._said = report.stop_reason
             self._tell(self._said or "driving")
+        if report.held_by != self._held:
+            self._held = report.held_by
+            self._tell(f"no progress: held by {self._held}" if self._held else "makes progress again")
         self._compare()
 
     def _compare(self) -> None:
@@ -149,6 +153,9 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         slot = Slot()
         handover = HandoverServer(node, slot, clock, report_session, robot, options.report, teller.say)
         closing.callback(handover.close)
+        if report_session is not None:
+            stopper = EstopServer(node, slot, clock, report_session, robot, teller.say)
+            closing.callback(stopper.close)
         recorder = _recorder(options, scenario, identity, controller.settings.solver)
         if recorder is not None:
             closing.callback(recorder.close)
