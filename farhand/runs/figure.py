@@ -128,7 +128,7 @@ def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, 
     x, y = path[:, 1 + a], path[:, 1 + b]
     axes.plot(x, np.where(hidden, np.nan, y), color=BLUE, lw=1.3, label="tool")
     if hidden.any():
-        label = f"tool in front or behind (${AXES[3 - a - b]}$)"
+        label = f"tool in front of it or behind (${AXES[3 - a - b]}$)"
         axes.plot(x, np.where(hidden, y, np.nan), color=BLUE, lw=0.7, ls=(0, (1, 1)), label=label)
     too_near = path[:, 4] < summary.d_min
     if too_near.any():
