@@ -41,9 +41,10 @@ def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = 
         session.close()  # type: ignore[no-untyped-call]
     rows = [robot_row(name, present[name], states.get(name)) for name in sorted(present) if name != "netem"]
     emulated = "netem" in present
+    code = 1 if any(row["there"] == "several" for row in rows) else 0
     if as_json:
         print(json.dumps({"robots": rows, "netem": emulated}))
-        return 0
+        return code
     columns = ("robot", "there", "operator", "mode", "control", "waiting")
     table = Table(title_justify="left")
     for column in columns:
@@ -53,7 +54,7 @@ def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = 
     page().print(table if rows else "no robots")
     if emulated:
         print("a network emulator (farhand netem) is between here and the robots")
-    return 1 if any(row["there"] == "several" for row in rows) else 0
+    return code
 
 
 def meet(session: zenoh.Session, timeout: float) -> bool:
