@@ -1,7 +1,10 @@
 """The operator's side as a program: the node on the real clock, its reports published."""
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
+
+import msgspec
 
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.codec import encode
@@ -36,13 +39,16 @@ class ReportPublisher:
     Args:
         link: where reports go, on this side of the network only.
         name: the robot's name.
+        connected: whether anybody on the robot's side is connected; must not wait.
     """
 
-    def __init__(self, link: Link, name: str) -> None:
-        self._link, self._key = link, report_key(name)
+    def __init__(self, link: Link, name: str, connected: Callable[[], bool] = lambda: True) -> None:
+        self._link, self._key, self._connected = link, report_key(name), connected
 
     def __call__(self, report: ControlReport) -> None:
         """Send one report."""
+        if not self._connected():
+            report = msgspec.structs.replace(report, connected=False)
         self._link.send(Packet(self._key, encode(report)))
 
 

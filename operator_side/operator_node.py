@@ -19,6 +19,7 @@ from farhand.common.messages.command import CommandMode, VelocityCommand
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import command_key
 from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
@@ -147,6 +148,11 @@ class OperatorNode:
         return self._perception.description
 
     @property
+    def scene(self) -> Scene | None:
+        """What the robot says is around it, as it came last."""
+        return self._perception.scene
+
+    @property
     def successor(self) -> int:
         """The session that control is being handed over to; 0 once that is done, or it waits no more."""
         return self._supervision.successor
@@ -154,6 +160,15 @@ class OperatorNode:
     def hand_over(self, successor: int) -> None:
         """Give control to a session that waits for it, from the next tick on until the robot says so."""
         self._supervision.successor = successor
+
+    def emergency_stop(self) -> None:
+        """Send emergency stops from the next tick on until the robot says that it has latched one."""
+        self._supervision.estop = True
+
+    @property
+    def stopping(self) -> bool:
+        """Whether an emergency stop that was asked for is not confirmed yet."""
+        return self._supervision.estop
 
     def step(self, now_ns: int) -> int:
         """One tick if it is due; returns the instant of the next."""
@@ -188,6 +203,7 @@ class OperatorNode:
         if state is not None and scene is not None and mind is not None:
             self._targets.update(state, scene, driving=state.holder == self.session)
             steering = self.device.read(View(state, scene, self._targets, now_ns))
+        self._supervision.twins = self._perception.twins(now_ns)
         decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
         mode, reason = decision.mode, decision.reason
         prediction, margin, filtered, solve_time = Prediction(ZERO), Margin(), None, 0.0

@@ -9,8 +9,12 @@ from farhand.common.messages.echo import Newest
 from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
+from farhand.common.messages.twins import Twins
 
 RATE_WINDOW = 50
+TWINS_OVERLAP_NS = (
+    2_000_000_000  # beyond any network's jitter: what a robot sent before its restart may come late
+)
 
 
 class Perception:
@@ -30,6 +34,7 @@ class Perception:
         self.scene: Scene | None = None
         self.description: RobotDescription | None = None
         self.states = 0
+        self._twins = Twins(TWINS_OVERLAP_NS)
         self._arrivals: deque[int] = deque(maxlen=RATE_WINDOW)
 
     def take(self, packet: Packet) -> RobotState | None:
@@ -39,6 +44,7 @@ class Perception:
             if state is not None:
                 self.states += 1
                 self._arrivals.append(packet.arrived_ns)
+                self._twins.note(state.session, packet.arrived_ns)
                 if self.newest_state.accept(state, packet.arrived_ns):
                     self.state = state
             return state
@@ -60,6 +66,10 @@ class Perception:
         if self.scene is None:
             return "scene"
         return "description" if self.description is None else ""
+
+    def twins(self, now_ns: int) -> bool:
+        """Whether two robots of this name send states."""
+        return self._twins.there(now_ns)
 
     @property
     def refused(self) -> int:

@@ -10,6 +10,7 @@ from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.law import Prediction
 from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.safety_filter import Filtered
+from farhand.operator_side.standstill import Attempt, Standstill
 from farhand.operator_side.steering.targets import Targets
 
 
@@ -50,6 +51,7 @@ class ReportWriter:
         self._operator, self._session = operator, session
         self._perception, self._round_trip = perception, round_trip
         self._tick = -1
+        self._standstill = Standstill()
 
     def write(self, tick: Tick, targets: Targets) -> ControlReport:
         """The report of one tick; see ControlReport for the fields."""
@@ -60,6 +62,10 @@ class ReportWriter:
         known = trip.count > 0
         lag_part = filtered.lag_part if filtered is not None else 0.0
         state_age = (now_ns - self._perception.newest_state.arrived_ns) * 1e-9 if seen else 0.0
+        attempt = Attempt(
+            now_ns, tick.mode, tick.reason, tick.desired, tick.velocity, filtered.binding if filtered else ""
+        )
+        held_by = self._standstill.step(attempt, state, round(state_age * 1e9))
         return ControlReport(
             source=self._operator,
             session=self._session,
@@ -98,4 +104,5 @@ class ReportWriter:
             state_rate=self._perception.state_rate(now_ns),
             states=self._perception.states,
             overruns=tick.overruns,
+            held_by=held_by[:512],
         )

@@ -1,5 +1,7 @@
 """What the operator's program leaves behind at the end of a run, and the tally that it keeps meanwhile."""
 
+from collections import Counter
+
 import msgspec
 
 from farhand.common.messages.report import ControlReport
@@ -10,6 +12,10 @@ GOOD_STATUS = ("optimal", "shortcut", "idle")
 
 Sample = tuple[float, float | None, float, float, float | None]
 """(t, rtt, sigma, inflation, clearance) of a tick: s since the first motion command, s, m, m, m."""
+
+Span = tuple[float, float]
+SILENT_AFTER_NS = 500_000_000
+REMEMBERED_SILENCES = 1000
 
 
 class OperatorCounts(msgspec.Struct, frozen=True, kw_only=True):
@@ -23,6 +29,9 @@ class OperatorCounts(msgspec.Struct, frozen=True, kw_only=True):
         lateness_p99: of the ticks (s); None in virtual time.
         duration: from the first motion command to the end (s).
         rtt_mean, rtt_std: measured network round trip with computing (s); None if never measured.
+        states: of the robot that arrived.
+        longest_silence: longest time without a state, from the first on (s).
+        standing: ticks in which the robot made no progress for 3 s, by what held it.
     """
 
     ticks: int = 0
@@ -33,6 +42,9 @@ class OperatorCounts(msgspec.Struct, frozen=True, kw_only=True):
     duration: float = 0.0
     rtt_mean: float | None = None
     rtt_std: float | None = None
+    states: int = 0
+    longest_silence: float = 0.0
+    standing: dict[str, int] = msgspec.field(default_factory=dict)
 
 
 class OperatorResult(OperatorCounts, frozen=True, kw_only=True):
@@ -45,6 +57,8 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True):
         solver: what solved.
         notice: what is to be said about it to people; may be empty.
         series: a sample a tick.
+        silences: (from, to) of times in which no state came, or none that answered, for more than 0.5 s; s since
+            the first motion command; the first thousand.
         last_report: the newest report.
     """
 
@@ -55,6 +69,7 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True):
     solver: str
     notice: str = ""
     series: list[Sample] = msgspec.field(default_factory=list)
+    silences: list[Span] = msgspec.field(default_factory=list)
     last_report: ControlReport | None = None
 
 
@@ -65,14 +80,53 @@ class Tally:
         self.ticks = 0
         self.interventions = 0
         self.infeasible = 0
+        self.longest_silence = 0.0
+        self.standing: Counter[str] = Counter()
         self.last: ControlReport | None = None
+        self._silences: list[tuple[int, int]] = []
+        self._silent_ns: int | None = None
 
     def add(self, report: ControlReport) -> None:
         """Count one tick."""
         self.ticks += 1
         self.interventions += report.intervening
         self.infeasible += report.status not in GOOD_STATUS
+        if report.safety is not None:
+            self.longest_silence = max(self.longest_silence, report.state_age)
+            self._note_silence(report)
+        if report.held_by:
+            self.standing[report.held_by] += 1
         self.last = report
+
+    def silences(self, origin_ns: int) -> list[Span]:
+        """See OperatorResult; `origin_ns` is the first motion command's instant."""
+        spans = list(self._silences)
+        if self._silent_ns is not None and self.last is not None:
+            spans.append((self._silent_ns, self.last.t_sent_ns))
+        return [((begin - origin_ns) * 1e-9, (end - origin_ns) * 1e-9) for begin, end in spans]
+
+    def counts(self) -> OperatorCounts:
+        """What it counted; what only the program knows is left at its default."""
+        return OperatorCounts(
+            ticks=self.ticks,
+            interventions=self.interventions,
+            infeasible=self.infeasible,
+            states=self.last.states if self.last is not None else 0,
+            longest_silence=self.longest_silence,
+            standing=dict(self.standing),
+        )
+
+    def _note_silence(self, report: ControlReport) -> None:
+        """Begin, go on with or end a silence; an answer takes a round trip, which is none."""
+        unanswered = report.age - (report.rtt or 0.0)
+        silent_ns = round(max(report.state_age, unanswered) * 1e9)
+        if silent_ns > SILENT_AFTER_NS:
+            if self._silent_ns is None:
+                self._silent_ns = report.t_sent_ns - silent_ns
+        elif self._silent_ns is not None:
+            if len(self._silences) < REMEMBERED_SILENCES:
+                self._silences.append((self._silent_ns, report.t_sent_ns))
+            self._silent_ns = None
 
 
 def sample_of(report: ControlReport, origin_ns: int) -> Sample:

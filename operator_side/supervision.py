@@ -3,7 +3,9 @@
 | situation | command |
 |---|---|
 | the device's emergency stop | estop |
+| somebody's on this host, until the robot has latched it | estop |
 | no state, no scene or no description yet | nothing is sent |
+| two robots of this name send states | hold |
 | another session holds control | acknowledge, once a second, which asks for it and is refused |
 | this session waited, control is free but was not released, the operator acknowledges | acknowledge |
 | the same, the operator does not acknowledge | nothing is sent |
@@ -26,6 +28,7 @@ from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.device import SteeringInput
 
 ASK_PERIOD_NS = 1_000_000_000
+_TWINS = "two robots call themselves {!r}; end one, or give it another --robot"
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +112,11 @@ class Supervision:
 
     Args:
         session, name: of this operator.
+
+    Attributes:
+        successor: the session to hand over to; 0: none.
+        twins: whether two robots of one name send states.
+        estop: whether somebody asked for an emergency stop that the robot has not confirmed yet.
     """
 
     def __init__(self, session: int, name: str) -> None:
@@ -116,6 +124,8 @@ class Supervision:
         self._waited_for = ""
         self._asked_ns: int | None = None
         self.successor = 0
+        self.twins = False
+        self.estop = False
 
     def step(
         self, state: RobotState | None, lacking: str, steering: SteeringInput | None, now_ns: int
@@ -123,8 +133,14 @@ class Supervision:
         """The decision of a tick."""
         if state is not None:
             self._look(state)
+        if self.estop and state is not None and state.mode == "estop":
+            self.estop = False  # the robot has latched it; from here on an acknowledgement counts
+        if self.estop:
+            return Decision("estop", "emergency stop, asked for by `farhand estop`")
         me = Seat(self._session, self._name, self._waited_for, self.successor)
         decision = decide(state, lacking, steering, me)
+        if state is not None and self.twins and decision.mode not in (None, "estop"):
+            return Decision("hold", _TWINS.format(state.source))
         if not decision.asking:
             return decision
         if self._asked_ns is not None and now_ns - self._asked_ns < ASK_PERIOD_NS:

@@ -56,7 +56,8 @@ class Announcer:
             self._say(f"stop: {stop.reason}" if stop is not None else "stop")
         if self._latched and not watchdog.latched:
             self._latched = False
-            self._say("acknowledged: may move again")
+            who = f" by {lease.holder_name}" if lease.holder_name else ""
+            self._say(f"acknowledged{who}: may move again")
         refused = self._intake.refused()
         for reason, count in refused.items():
             new = count - self._refused.get(reason, 0)

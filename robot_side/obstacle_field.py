@@ -56,6 +56,12 @@ class ObstacleField:
         return nearest - radius
 
 
+def nearest_obstacle(obstacles: Sequence[Obstacle], point: Vector3) -> str:
+    """Name of the obstacle that is nearest to a point; empty without any."""
+    nearest = min(obstacles, key=lambda o: math.dist(o.position, point) - o.radius, default=None)
+    return nearest.id if nearest is not None else ""
+
+
 def _moved(position: Vector3, velocity: Vector3, t: float) -> Vector3:
     return (
         position[0] + t * velocity[0],

@@ -28,6 +28,7 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
         refused: commands that moved nothing, by reason.
         stops: latched stops.
         holds: changes from RUN to HOLD.
+        longest_silence: longest time without a command of the one in control, until it released it (s).
         lateness: of the loop; None in virtual time.
     """
 
@@ -41,6 +42,7 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
     refused: dict[str, int] = msgspec.field(default_factory=dict)
     stops: int = 0
     holds: int = 0
+    longest_silence: float = 0.0
     lateness: Lateness | None = None
 
 
@@ -52,6 +54,10 @@ class RobotResult(RobotCounts, frozen=True, kw_only=True):
         position: of the tool at the end (m).
         mode, reason: of the watchdog at the end.
         changes: (instant, mode, reason) of the watchdog's changes; ns, robot's clock.
+        interruptions: (t, mode, reason) of holds for want of commands and of stops; s since the first tick.
+        nearest_obstacle: to which the tool's sphere came nearest; empty without obstacles.
+        nearest_part, nearest_to_arm: the part of the arm that came nearest to an obstacle, and that obstacle;
+            empty where not computed.
         trajectory: (t, x, y, z, clearance) at 50 Hz at most; s since the first tick, m.
     """
 
@@ -61,4 +67,8 @@ class RobotResult(RobotCounts, frozen=True, kw_only=True):
     mode: SafetyMode = "hold"
     reason: str = ""
     changes: list[tuple[int, SafetyMode, str]] = msgspec.field(default_factory=list)
+    interruptions: list[tuple[float, SafetyMode, str]] = msgspec.field(default_factory=list)
+    nearest_obstacle: str = ""
+    nearest_part: str = ""
+    nearest_to_arm: str = ""
     trajectory: list[tuple[float, float, float, float, float]] = msgspec.field(default_factory=list)

@@ -12,15 +12,17 @@ The sample in a RobotState is the state at `now_ns`, before that tick's step.
 import math
 from collections.abc import Sequence
 
+import msgspec
+
 from farhand.common.link.link import Link, Packet
-from farhand.common.messages.base import ZERO
+from farhand.common.messages.base import ZERO, SafetyMode
 from farhand.common.messages.codec import encode
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.periodic import Periodic
-from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
+from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField, nearest_obstacle
 from farhand.robot_side.result import RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
@@ -29,6 +31,7 @@ from farhand.robot_side.safety.command_intake import CommandIntake
 from farhand.robot_side.safety.watchdog import Watchdog
 
 SECOND_NS = 1_000_000_000
+UNHEARD = "no good command"
 CATCH_UP_NS = 100_000_000  # a simulator makes good for at most this much lost time a tick
 
 
@@ -68,6 +71,7 @@ class RobotNode:
         self._clearance = NOTHING_NEAR
         self._statistics = RunStatistics(settings.rate_hz)
         self._stepped = 0
+        self._nearest_part = "", ""
         self.watchdog = Watchdog(scenario.safety, session)
         self.intake = CommandIntake(name, self.watchdog)
 
@@ -114,9 +118,30 @@ class RobotNode:
             position=self._sample.position,
             mode=watchdog.mode,
             reason=watchdog.reason,
+            longest_silence=statistics.longest_silence,
+            interruptions=self._interruptions_so_far(),
+            nearest_obstacle=self._nearest_obstacle(),
+            nearest_part=self._nearest_part[0],
+            nearest_to_arm=self._nearest_part[1],
             changes=[(c.t_ns, c.mode, c.reason) for c in watchdog.changes],
             trajectory=statistics.trajectory,
         )
+
+    def _nearest_obstacle(self) -> str:
+        nearest = self._statistics.nearest
+        if nearest is None or self._field is None:
+            return ""
+        position, at_ns = nearest
+        return nearest_obstacle(self._field.at(at_ns), position)
+
+    def _interruptions_so_far(self) -> list[tuple[float, SafetyMode, str]]:
+        """Holds for want of commands, and stops."""
+        start_ns = self._statistics.start_ns or 0
+        return [
+            ((c.t_ns - start_ns) * 1e-9, c.mode, c.reason)
+            for c in self.watchdog.changes
+            if c.mode in ("stopped", "estop") or (c.mode == "hold" and c.reason.startswith(UNHEARD))
+        ]
 
     def _tick(self, now_ns: int, periods: int) -> None:
         watchdog = self.watchdog
@@ -130,8 +155,15 @@ class RobotNode:
             self._move(then_ns)
         watchdog.tick(now_ns)
         self.intake.take(self._link.receive(), now_ns)
+        self._note_silence(now_ns)
         self._observe(self._field, now_ns)
         self._move(now_ns)
+
+    def _note_silence(self, now_ns: int) -> None:
+        """How long the one in control is silent; nobody is expected to speak after a release."""
+        newest, lease = self.intake.newest, self.watchdog.lease
+        if newest.seq >= 0 and (lease.holder or lease.end == "silent"):
+            self._statistics.add_silence(now_ns - newest.arrived_ns)
 
     def _observe(self, field: ObstacleField, now_ns: int) -> None:
         sample = self._robot.sample()
@@ -158,12 +190,22 @@ class RobotNode:
         if self._field is None:
             return None
         try:
-            clearance = self._robot.arm_clearance(self._field.at(now_ns))
+            obstacles = self._field.at(now_ns)
+            clearance = self._robot.arm_clearance(obstacles)
+            if self._statistics.add_arm(clearance):
+                self._nearest_part = self._robot.nearest_part(obstacles)
         except Exception as error:
             self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
             return None
-        self._statistics.add_arm(clearance)
         return clearance
+
+    def _held_by(self, now_ns: int) -> str | msgspec.UnsetType:
+        """What the robot says holds it; left out where nothing does."""
+        try:
+            return self._robot.held_by()[:64] or msgspec.UNSET
+        except Exception as error:
+            self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
+            return msgspec.UNSET
 
     def _send_state(self, now_ns: int) -> None:
         watchdog, sample = self.watchdog, self._sample
@@ -194,6 +236,7 @@ class RobotNode:
             refused=self.intake.refused(),
             received=self.intake.arrived,
             stops=watchdog.stops,
+            held_by=self._held_by(now_ns),
         )
         self._state_seq += 1
         self._link.send(Packet(state_key(self._name), encode(state)))

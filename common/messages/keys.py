@@ -49,6 +49,11 @@ def handover_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/handover"
 
 
+def estop_key(robot: str) -> str:
+    """Queryable of an operator's program, on its own host: stop the robot for good."""
+    return f"{PREFIX}/{robot}/estop"
+
+
 def alive_key(robot: str, role: str) -> str:
     """Liveliness token of a program: role is operator, robot or netem (whose robot is `netem`)."""
     return f"{PREFIX}/{robot}/alive/{role}"

@@ -41,6 +41,8 @@ class ControlReport(Message, frozen=True, kw_only=True):
         state_rate: states arriving per second.
         states: states that arrived so far.
         overruns: late control ticks.
+        connected: whether the operator's program is connected to anything on the robot's side.
+        held_by: what holds a robot that has made no progress for 3 s; empty while it makes some.
     """
 
     tick: Stamp
@@ -76,3 +78,5 @@ class ControlReport(Message, frozen=True, kw_only=True):
     state_rate: Real
     states: Stamp = 0
     overruns: Stamp
+    connected: bool = True
+    held_by: Text = ""

@@ -46,6 +46,8 @@ class RobotState(Message, frozen=True, kw_only=True):
         refused: commands refused so far, by reason.
         received: command messages that arrived so far, whatever became of them.
         stops: times the watchdog left `run` for a stop.
+        held_by: what keeps the robot from following its command, such as a joint's limit; left out where nothing
+            does.
     """
 
     t_sample_ns: Stamp
@@ -68,3 +70,4 @@ class RobotState(Message, frozen=True, kw_only=True):
     refused: Annotated[dict[Name, Stamp], Meta(max_length=64)] = msgspec.field(default_factory=dict)
     received: Stamp = 0
     stops: Stamp = 0
+    held_by: NameOrNone | msgspec.UnsetType = msgspec.UNSET

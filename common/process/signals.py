@@ -67,6 +67,9 @@ class PeerWatch:
         heard: whether anything has come yet; None: not looked at.
         unheard: what to say when somebody is connected but nothing has come for 5 s.
         troubles: lines about what went wrong, by kind of trouble; each kind is said once.
+
+    Attributes:
+        alone: whether nobody was connected when it looked last, a second ago at most.
     """
 
     def __init__(
@@ -82,6 +85,7 @@ class PeerWatch:
         self._troubles = troubles
         self._heard, self._unheard = heard, unheard
         self._program, self._where, self._connected, self._stop = program, where, connected, stop_event
+        self.alone = False
         self._thread = threading.Thread(target=self._watch, name="peer-watch", daemon=True)
         self._thread.start()
 
@@ -93,7 +97,8 @@ class PeerWatch:
                 if kind not in told:
                     told.add(kind)
                     say(self._program, line)
-            if self._connected():
+            self.alone = not self._connected()
+            if not self.alone:
                 if said:
                     say(self._program, f"{self._where}: connected")
                 waited, said = 0.0, False

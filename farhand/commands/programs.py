@@ -144,6 +144,26 @@ def handover(
     raise typer.Exit(hand_over(local_only(connect, "--connect"), robot, to))
 
 
+def estop(
+    robot: RobotOption = "ur5",
+    connect: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Endpoint of the robot, the emulator, or an operator's --report [default: all of this host]."
+        ),
+    ] = None,
+    tls: TlsOption = "",
+    router: RouterOption = False,
+) -> None:
+    """Emergency stop, whoever holds control. The robot latches it until it is acknowledged.
+
+    Exit code 0: the robot says that it stopped. 1: nobody confirmed it. 2: bad input.
+    """
+    from farhand.site.estop import emergency_stop
+
+    raise typer.Exit(emergency_stop(robot, connect or [], tls, router))
+
+
 def robots(
     connect: ConnectOption = None,
     tls: TlsOption = "",
@@ -206,5 +226,5 @@ def tap(
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (operator, robot, handover, robots, doctor, watch, tap):
+    for command in (operator, robot, handover, estop, robots, doctor, watch, tap):
         app.command()(command)

@@ -1,10 +1,7 @@
 """The demo: operator, netem and robot as three processes, joined by nothing but Zenoh on loopback."""
 
-import sys
 import threading
 from pathlib import Path
-
-from rich.console import Console
 
 from farhand.common.link.ports import free_ports
 from farhand.common.process.signals import stop_event_on_signals
@@ -15,6 +12,7 @@ from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords,
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.robot_side.robots.registry import check_scenario
 from farhand.runs.conclude import conclude
+from farhand.runs.console import page
 from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder, write_scenario
@@ -32,7 +30,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool) -> int:
     run.check()
     folder = make_run_folder(out, run.scenario.name)
     stop_event = stop_event_on_signals()
-    console = Console(file=sys.stderr if as_json else sys.stdout)
+    console = page(stderr=as_json)
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
     why = _run_programs(run, folder, stop_event, StatusView(title, console))
     code = conclude(run, folder, console, why=why, as_json=as_json)
@@ -48,12 +46,15 @@ def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: Sta
     try:
         for words in _words(run, folder, operator_side, robot_side, report):
             children.start(words.COMMAND, words.words())
+        name = run.scenario.robot.kind
+        view.note(
+            f"elsewhere: farhand watch --connect {report} --robot {name}; to stop it: farhand estop, likewise"
+        )
         reader = ReportReader(report, run.scenario.robot.kind, clock)
-        start_ns = clock.now_ns()
         with view:
             while True:
                 ended = children.ended()
-                view.update(reader.read(), (clock.now_ns() - start_ns) * 1e-9)
+                view.update(reader.read(), clock.now_ns(), reader.connected())
                 if ended or stop_event.wait(0.1):
                     break
     finally:

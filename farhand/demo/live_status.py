@@ -1,7 +1,10 @@
-"""The live status: what a run looks like to somebody at a terminal. A program of its own, fed by reports."""
+"""The live status: what a run looks like to somebody at a terminal, fed by reports; what is old is shown as old."""
 
 import sys
 import threading
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from rich.console import Console, Group
 from rich.live import Live
@@ -15,50 +18,92 @@ from farhand.common.messages.keys import check_robot_name, report_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
+from farhand.operator_side.result import GOOD_STATUS
+from farhand.runs.freshness import Freshness, Hearing, Picture
 from farhand.runs.units import milliseconds
 
 REFRESH_HZ = 10
 LINE_PERIOD = 2.0
+SILENT_LINE_PERIOD = 10.0
+TRAIL = 30
 _BARS = "▁▂▃▄▅▆▇█"
 
 
-def render(report: ControlReport | None, elapsed: float, title: str, trail: list[float]) -> Group:
-    """The status of one instant.
+def render(
+    report: ControlReport | None, shown: Picture, elapsed: float, title: str, trail: list[float]
+) -> Group:
+    """The status of one instant: what is live in colours, what is not dimmed, and said.
 
     Args:
         report: newest report, None before the first.
-        elapsed: since the start (s).
+        shown: how new it is, and the robot's state in it.
+        elapsed: what the clock shows (s): it runs while operator and robot are live.
         title: what is running.
         trail: clearances so far, for the little chart (m).
     """
-    head = Text.assemble(("farhand ", "bold"), (title, "cyan"), (f"   {elapsed:5.1f} s", "dim"))
-    if report is None:
-        return Group(head, Text("starting operator, netem and robot …", style="dim"))
+    clock = f"   {elapsed:5.1f} s" + ("" if shown.running else ", clock stands")
+    head = Text.assemble(("farhand ", "bold"), (title, "cyan"), (clock, "dim"))
+    told = [_told(shown)] if shown.said else []
+    return Group(head, *told) if report is None else Group(head, *told, _grid(report, shown, trail))
+
+
+def _told(shown: Picture) -> Text:
+    """What people must be told, loudly where somebody is gone."""
+    gone = Freshness.GONE in (shown.operator, shown.robot)
+    return Text(shown.said, style="bold white on red" if gone else "yellow")
+
+
+def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
+    """All values; those of the robot and of the operator are as live as these are."""
+    robot_style = "" if shown.robot is Freshness.LIVE else "dim"
+    own_style = "" if shown.operator is Freshness.LIVE else "dim"
+
+    def of_robot(text: str) -> Text:
+        return Text(text, style=robot_style)
+
+    def own(text: str) -> Text:
+        return Text(text, style=own_style)
+
     grid = Table.grid(padding=(0, 3))
-    grid.add_column(style="dim", justify="right")
-    grid.add_column(min_width=30)
-    grid.add_column(style="dim", justify="right")
-    grid.add_column()
-    done = report.target_index / max(1, report.target_count)
-    bar = ProgressBar(total=1.0, completed=done, width=24)
-    loss = f"{report.loss * 100:.1f} %"
-    grid.add_row("targets", bar, "", f"{report.target_index} of {report.target_count}")
+    grid.add_column(style="dim", justify="right", no_wrap=True)
+    grid.add_column(min_width=30, overflow="fold")
+    grid.add_column(style="dim", justify="right", no_wrap=True)
+    grid.add_column(overflow="fold")
+    bar = _bar(report, live=not robot_style)
+    grid.add_row("targets", bar, "", of_robot(f"{report.target_index} of {report.target_count}"))
+    trip = f"{milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms"
+    grid.add_row("round trip", of_robot(trip), "lost", of_robot(f"{report.loss * 100:.1f} %"))
+    rate = report.state_rate if shown.robot is Freshness.LIVE else 0.0
+    grid.add_row("margin", own(margin_text(report)), "states", of_robot(f"{rate:.0f} /s"))
+    nearest, least = _mm(report.clearance), _mm(report.min_clearance)
     grid.add_row(
-        "round trip",
-        f"{milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms",
-        "loss",
-        loss,
+        "clearance", of_robot(f"{nearest}  (least {least})"), "refused", of_robot(str(report.refused_there))
     )
-    margin = f"{report.inflation * 1e3:.0f} mm" if report.sigma == 0 else f"sigma {report.sigma:.3f}"
-    grid.add_row("margin", margin, "states", f"{report.state_rate:.0f} /s")
-    nearest = "–" if report.clearance is None else f"{report.clearance * 1e3:.0f} mm"
-    least = "–" if report.min_clearance is None else f"{report.min_clearance * 1e3:.0f} mm"
-    grid.add_row("clearance", f"{nearest}  (least {least})", "refused", str(report.refused_there))
-    grid.add_row("", Text(sparkline(trail), style="cyan"), "stops", str(report.stops))
-    grid.add_row("robot", _mode(report), "filter", _filter(report))
-    if report.stop_reason:
-        grid.add_row("", Text(report.stop_reason, style="yellow"))
-    return Group(head, grid)
+    chart = Text(sparkline(trail), style=robot_style or "cyan")
+    grid.add_row("", chart, "stops", of_robot(str(report.stops)))
+    grid.add_row("robot", _mode(report, shown), "filter", _filter(report, shown))
+    for line in (report.stop_reason, report.held_by and f"no progress: {report.held_by}"):
+        if line:
+            grid.add_row("", Text(line, style=own_style or "yellow"))
+    return grid
+
+
+def _bar(report: ControlReport, *, live: bool) -> ProgressBar:
+    done = report.target_index / max(1, report.target_count)
+    if live:
+        return ProgressBar(total=1.0, completed=done, width=24)
+    return ProgressBar(total=1.0, completed=done, width=24, complete_style="dim", finished_style="dim")
+
+
+def margin_text(report: ControlReport) -> str:
+    """How much more than the limit is kept: as larger obstacles, or in the barrier (the paper's sigma)."""
+    if report.sigma == 0:
+        return f"{report.inflation * 1e3:.0f} mm beyond the limit"
+    return f"{report.sigma * 1e3:.0f} mm in the barrier"
+
+
+def _mm(value: float | None) -> str:
+    return "–" if value is None else f"{value * 1e3:.0f} mm"
 
 
 def sparkline(values: list[float], width: int = 30) -> str:
@@ -67,32 +112,53 @@ def sparkline(values: list[float], width: int = 30) -> str:
     return "".join(_BARS[min(7, max(0, int(v / 0.3 * 8)))] for v in recent)
 
 
-def line(report: ControlReport, elapsed: float) -> str:
-    """The status as one line, for output that is not a terminal."""
-    clearance = "–" if report.clearance is None else f"{report.clearance * 1e3:.0f} mm"
+def line(report: ControlReport | None, shown: Picture, elapsed: float) -> str:
+    """The status as one line, for output that is not a terminal; no value of what is gone is in it."""
+    if report is None or Freshness.GONE in (shown.operator, shown.robot):
+        return f"{elapsed:5.1f} s  {shown.said}"
+    held = f"  no progress: {report.held_by}" if report.held_by else ""
     return (
-        f"{elapsed:5.1f} s  target {report.target_index}/{report.target_count}  "
-        f"rtt {milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms  clearance {clearance}  "
-        f"{report.safety or 'no robot'}{'  filter intervening' if report.intervening else ''}"
+        f"{elapsed:5.1f} s  {shown.said}{'  ' if shown.said else ''}"
+        f"target {report.target_index}/{report.target_count}  "
+        f"rtt {milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms  "
+        f"clearance {_mm(report.clearance)}  "
+        f"{'was ' if report.safety and not shown.running else ''}{report.safety or 'no robot'}"
+        f"{'  filter intervening' if report.intervening else ''}{held}"
         f"{'  ' if report.stop_reason else ''}{report.stop_reason}"
     )
 
 
-def _mode(report: ControlReport) -> Text:
+def _mode(report: ControlReport, shown: Picture) -> Text:
+    if report.safety is None:
+        return Text("no state yet", style="dim")
+    mode = report.safety
+    if shown.robot is not Freshness.LIVE:
+        return Text(f"was {mode}" + (f": {report.safety_reason}" if mode != "run" else ""), style="dim")
     style = {"run": "bold white on green", "hold": "bold black on yellow"}
-    mode = report.safety or "no robot"
     return Text.assemble(
         (f" {mode.upper()} ", style.get(mode, "bold white on red")),
         ("" if mode == "run" else f" {report.safety_reason}", "dim"),
     )
 
 
-def _filter(report: ControlReport) -> Text:
-    if report.status not in ("optimal", "shortcut", "idle"):
-        return Text(f" {report.status.upper()} ", style="bold white on red")
+def _filter(report: ControlReport, shown: Picture) -> Text:
+    live = shown.operator is Freshness.LIVE
+    if report.status not in GOOD_STATUS:
+        style = "bold white on red" if live else "dim"
+        return Text(f" {report.status.upper()} " if live else f"was {report.status}", style=style)
     if report.intervening:
-        return Text(f" INTERVENING: {report.binding} ", style="bold white on blue")
-    return Text("passing through" if report.mode == "run" else "idle", style="dim")
+        what = f"intervening: {report.binding}" if report.binding else "intervening"
+        return Text(f" {what.upper()} ", "bold white on blue") if live else Text(f"was {what}", "dim")
+    said = "nothing to change" if report.mode == "run" else "not asked"
+    return Text(said if live else f"was: {said}", style="dim")
+
+
+@dataclass(frozen=True, slots=True)
+class Arrived:
+    """A report, and when it came on the reader's clock."""
+
+    report: ControlReport
+    at_ns: int
 
 
 class StatusView:
@@ -105,16 +171,17 @@ class StatusView:
 
     def __init__(self, title: str, console: Console) -> None:
         self._title, self._console = title, console
-        self._trail: list[float] = []
-        self._report: ControlReport | None = None
+        self._trail: deque[float] = deque(maxlen=TRAIL)
+        self._hearing = Hearing()
         self._live: Live | None = None
-        self._said = -LINE_PERIOD
+        self._start_ns: int | None = None
+        self._clock = 0.0
+        self._said_ns: int | None = None
+        self._said = ("", "")
 
     def __enter__(self) -> "StatusView":
         if self._console.is_terminal:
-            self._live = Live(
-                render(None, 0.0, self._title, []), console=self._console, auto_refresh=False, transient=True
-            )
+            self._live = Live(console=self._console, auto_refresh=False, transient=True)
             self._live.start()
         return self
 
@@ -122,17 +189,42 @@ class StatusView:
         if self._live is not None:
             self._live.stop()
 
-    def update(self, reports: list[ControlReport], elapsed: float) -> None:
-        """Show the newest of some reports, `elapsed` s after the start."""
-        for report in reports:
-            self._report = report
-            if report.clearance is not None:
-                self._trail.append(report.clearance)
+    def note(self, text: str) -> None:
+        """One line above the status."""
+        self._console.print(text, style="dim", markup=False, highlight=False, soft_wrap=True)
+
+    def update(self, reports: Iterable[Arrived], now_ns: int, connected: bool) -> None:
+        """Show what may be shown at `now_ns`.
+
+        Args:
+            reports: that came since the last call.
+            now_ns: on the clock that stamped their arrival.
+            connected: whether the reader is connected to the operator's program.
+        """
+        if self._start_ns is None:
+            self._start_ns = now_ns
+        for arrived in reports:
+            if self._hearing.take(arrived.report, arrived.at_ns) and arrived.report.clearance is not None:
+                self._trail.append(arrived.report.clearance)
+        shown = self._hearing.picture(now_ns, connected)
+        elapsed = (now_ns - self._start_ns) * 1e-9
+        if shown.running:
+            self._clock = elapsed
+        report = self._hearing.report
         if self._live is not None:
-            self._live.update(render(self._report, elapsed, self._title, self._trail), refresh=True)
-        elif self._report is not None and elapsed - self._said >= LINE_PERIOD:
-            self._said = elapsed
-            self._console.print(line(self._report, elapsed), highlight=False)
+            clock = self._clock if report is not None else elapsed
+            self._live.update(render(report, shown, clock, self._title, list(self._trail)), refresh=True)
+        elif self._is_due(shown, now_ns):
+            self._console.print(line(report, shown, elapsed), highlight=False, markup=False, soft_wrap=True)
+
+    def _is_due(self, shown: Picture, now_ns: int) -> bool:
+        """Whether a line is to be printed: at each change, every 2 s while all is live, else every 10 s."""
+        what = (shown.operator.value, shown.robot.value)
+        period = LINE_PERIOD if shown.running else SILENT_LINE_PERIOD
+        if what == self._said and self._said_ns is not None and now_ns - self._said_ns < period * 1e9:
+            return False
+        self._said, self._said_ns = what, now_ns
+        return True
 
 
 class ReportReader:
@@ -148,10 +240,15 @@ class ReportReader:
         self.link = ZenohLink(open_session([connect]), [report_key(name)], clock)
         self._decoder = Decoder(ControlReport)
 
-    def read(self) -> list[ControlReport]:
+    def read(self) -> list[Arrived]:
         """Reports since the last call."""
-        found = [self._decoder.decode(packet.payload) for packet in self.link.receive()]
-        return [report for report in found if report is not None]
+        packets = self.link.receive()
+        found = [(self._decoder.decode(packet.payload), packet.arrived_ns) for packet in packets]
+        return [Arrived(report, at_ns) for report, at_ns in found if report is not None]
+
+    def connected(self) -> bool:
+        """Whether the operator's program is connected."""
+        return self.link.connected()
 
     def close(self) -> None:
         """Close the session."""
@@ -164,12 +261,11 @@ def watch_operator(connect: str, name: str) -> int:
     stop_event: threading.Event = stop_event_on_signals()
     clock = SystemClock()
     reader = ReportReader(connect, name, clock)
-    start_ns = clock.now_ns()
     PeerWatch("watch", connect, reader.link.connected, stop_event)
     try:
         with StatusView(f"{name} at {connect}", Console(file=sys.stdout)) as view:
             while not stop_event.wait(1.0 / REFRESH_HZ):
-                view.update(reader.read(), (clock.now_ns() - start_ns) * 1e-9)
+                view.update(reader.read(), clock.now_ns(), reader.connected())
     finally:
         reader.close()
     return 0

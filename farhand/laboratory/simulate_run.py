@@ -1,12 +1,10 @@
 """`farhand simulate`: the demo's task, summary and figure in virtual time."""
 
-import sys
 from pathlib import Path
-
-from rich.console import Console
 
 from farhand.laboratory.simulation import simulate_run
 from farhand.operator_side.result import sample_of
+from farhand.runs.console import page
 from farhand.runs.figure import draw_run
 from farhand.runs.files import RECORDING
 from farhand.runs.report import print_outcome
@@ -24,7 +22,7 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool) -> int:
     write_summary(result.summary, folder)
     began_ns = next((report.t_sent_ns for report in result.reports if report.mode == "run"), 0)
     series = [sample_of(report, began_ns) for report in result.reports]
-    figure = draw_run(run.scenario, result.summary, result.trajectory, series, folder)
-    console = Console(file=sys.stderr if as_json else sys.stdout)
+    figure = draw_run(run.scenario, result.summary, result.trajectory, series, folder, result.silences)
+    console = page(stderr=as_json)
     print_outcome(result.summary, folder, figure, console, as_json=as_json)
     return result.summary.exit_code

@@ -24,7 +24,7 @@ from farhand.netem.measure.result import NetemResult
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
-from farhand.operator_side.result import OperatorResult, Tally
+from farhand.operator_side.result import OperatorResult, Span, Tally
 from farhand.programs.wiring import (
     OPERATOR_NAME,
     make_netem,
@@ -40,6 +40,7 @@ from farhand.runs.results import RunResults
 from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run
 from farhand.runs.scenario import Scenario
 from farhand.runs.summary import RunSummary, summarise
+from farhand.runs.why import unfinished
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -57,6 +58,7 @@ class SimulationResult:
     digest: SHA-256 over every message that left or reached the operator, in order.
     network: the emulator's statistics.
     reports: of every tick, where asked for.
+    silences: (from, to) of times without an answer of the robot, s since the first motion command.
     """
 
     summary: RunSummary
@@ -64,6 +66,7 @@ class SimulationResult:
     digest: str
     network: NetemResult
     reports: list[ControlReport] = field(default_factory=list)
+    silences: list[Span] = field(default_factory=list)
 
 
 class Options(TypedDict, total=False):
@@ -157,11 +160,18 @@ class _World:
             netem=self._netem.statistics(),
             robot=self._robot.summary(),
         )
-        why = "" if operator.finished else _why(self._tally, run.time_limit)
+        why = ""
+        if not operator.finished:
+            why = f"not finished within {run.time_limit:g} s: {unfinished(self._tally.last, run)}"
         summary = summarise(run, results, real_time=False, why=why)
         assert results.netem is not None
         return SimulationResult(
-            summary, self._robot.trajectory, self._hasher.hexdigest(), results.netem, self._reports
+            summary,
+            self._robot.trajectory,
+            self._hasher.hexdigest(),
+            results.netem,
+            self._reports,
+            results.operator.silences if results.operator is not None else [],
         )
 
     def _make_robot(self, link: MemoryLink, robot: Robot | None, closing: ExitStack) -> RobotNode:
@@ -201,15 +211,17 @@ class _World:
         operator, tally = self._operator, self._tally
         since_ns = operator.driving_since_ns
         rtt_mean, rtt_std = operator.round_trip.overall()
-        return OperatorResult(
-            finished=operator.finished,
+        counted = msgspec.structs.replace(
+            tally.counts(),
             duration=to_seconds(end_ns - since_ns) if since_ns is not None else 0.0,
             rtt_mean=rtt_mean,
             rtt_std=rtt_std,
-            ticks=tally.ticks,
-            interventions=tally.interventions,
-            infeasible=tally.infeasible,
             overruns=tally.last.overruns if tally.last is not None else 0,
+        )
+        return OperatorResult(
+            **msgspec.structs.asdict(counted),
+            finished=operator.finished,
+            silences=tally.silences(since_ns or 0),
             solver=self._solver,
             last_report=tally.last,
         )
@@ -232,14 +244,6 @@ def _cost(run: Run) -> Callable[[], int]:
         return lambda: constant
     draw = stream(run.seed, "computing-time")
     return lambda: samples[int(draw.integers(len(samples)))]
-
-
-def _why(tally: Tally, time_limit: float) -> str:
-    if tally.last is None:
-        return "the operator never ran"
-    reached, count = tally.last.target_index, tally.last.target_count
-    reason = f"; at the end: {tally.last.stop_reason}" if tally.last.stop_reason else ""
-    return f"not finished within {time_limit:g} s: {reached} of {count} targets reached{reason}"
 
 
 def _recorder(path: Path | None, run: Run, session: int) -> RunRecorder | None:

@@ -6,10 +6,13 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
+
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import check_robot_name, description_key, scene_key, state_key
 from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
 from farhand.common.process.security import Access, guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
@@ -28,8 +31,9 @@ from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_o
 from farhand.programs.series import Series
 from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, versions
-from farhand.runs.difference import difference
+from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario, scenario_to_table
+from farhand.site.estop import EstopServer
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
 
@@ -50,8 +54,10 @@ class Course:
         self.series: Series[Sample] = Series()
         self._node, self._tell = node, tell
         self._scenario = scenario
-        self._said = self._differs = ""
+        self._said = self._held = ""
+        self._differs: set[str] = set()
         self._robot: RobotDescription | None = None
+        self._scene: Scene | None = None
 
     def __call__(self, report: ControlReport) -> None:
         """Hear of one tick."""
@@ -60,17 +66,25 @@ class Course:
         if report.stop_reason != self._said:
             self._said = report.stop_reason
             self._tell(self._said or "driving")
-        robot = self._node.robot
+        if report.held_by != self._held:
+            self._held = report.held_by
+            self._tell(f"no progress: held by {self._held}" if self._held else "makes progress again")
+        self._compare()
+
+    def _compare(self) -> None:
+        """Say, once, where description or scene differ from the scenario."""
+        robot, scene = self._node.robot, self._node.scene
         if robot is not None and robot is not self._robot:
             self._robot = robot
-            self._look_at(robot)
+            self._tell_new(difference(robot, self._scenario))
+        if scene is not None and scene is not self._scene:
+            self._scene = scene
+            self._tell_new(scene_difference(scene, self._scenario))
 
-    def _look_at(self, robot: RobotDescription) -> None:
-        differs = difference(robot, self._scenario)
-        if differs != self._differs:
-            self._differs = differs
-            if differs:
-                self._tell(differs)
+    def _tell_new(self, line: str) -> None:
+        if line and line not in self._differs:
+            self._differs.add(line)
+            self._tell(line)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,15 +141,21 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         guard(session, folder, robot, "operator", teller.say)
         identity = OperatorIdentity(robot, random_session(), called)
         node = make_operator(scenario, link, identity, controller, processor_seconds)
+        if node.device.acknowledges_itself:
+            kind = scenario.steering.kind
+            teller.say(f"steering {kind!r} acknowledges stops by itself, but never an emergency stop")
         course = Course(node, scenario, teller.say)
         node.listeners.append(course)
         if report_session is not None:
             report_link = ZenohLink(report_session, [], clock)
             closing.callback(report_link.close)
-            node.listeners.append(ReportPublisher(report_link, robot))
+            node.listeners.append(ReportPublisher(report_link, robot, lambda: not watch.alone))
         slot = Slot()
         handover = HandoverServer(node, slot, clock, report_session, robot, options.report, teller.say)
         closing.callback(handover.close)
+        if report_session is not None:
+            stopper = EstopServer(node, slot, clock, report_session, robot, teller.say)
+            closing.callback(stopper.close)
         recorder = _recorder(options, scenario, identity, controller.settings.solver)
         if recorder is not None:
             closing.callback(recorder.close)
@@ -145,7 +165,9 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             return link.losses() | (recorder.troubles() if recorder is not None else {})
 
         unheard = _unheard(robot, folder, access.router)
-        PeerWatch("operator", access.where, link.connected, stop_event, heard.is_set, unheard, troubles)
+        watch = PeerWatch(
+            "operator", access.where, link.connected, stop_event, heard.is_set, unheard, troubles
+        )
         outcome = run_operator(
             node, clock, stop_event, time_limit=options.time_limit, slot=slot, realtime=options.realtime
         )
@@ -180,21 +202,24 @@ def _result(
     node: OperatorNode, outcome: OperatorOutcome, course: Course, controller: Controller
 ) -> OperatorResult:
     rtt_mean, rtt_std = node.round_trip.overall()
-    return OperatorResult(
-        finished=outcome.finished,
+    tally = course.tally
+    counted = msgspec.structs.replace(
+        tally.counts(),
         duration=outcome.duration,
         rtt_mean=rtt_mean,
         rtt_std=rtt_std,
-        ticks=course.tally.ticks,
-        interventions=course.tally.interventions,
-        infeasible=course.tally.infeasible,
         overruns=outcome.overruns,
         lateness_p99=outcome.lateness_p99,
+    )
+    return OperatorResult(
+        **msgspec.structs.asdict(counted),
+        finished=outcome.finished,
         has_realtime_priority=outcome.has_realtime_priority,
         solver=controller.settings.solver,
         notice=controller.solver_notice,
         series=course.series.samples(),
-        last_report=course.tally.last,
+        silences=tally.silences(node.driving_since_ns or 0),
+        last_report=tally.last,
     )
 
 

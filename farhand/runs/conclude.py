@@ -1,11 +1,11 @@
 """`farhand summarise`: the summary and the figure of a run whose programs left their results in a folder."""
 
-import sys
 from pathlib import Path
 
 from rich.console import Console
 
 from farhand.common.errors import InputError
+from farhand.runs.console import page
 from farhand.runs.figure import draw_run
 from farhand.runs.files import OPERATOR, ROBOT
 from farhand.runs.report import print_outcome
@@ -24,7 +24,7 @@ def run_summarise(run: Run, folder: Path, *, why: str, as_json: bool) -> int:
         raise InputError(
             f"{folder}: holds neither {OPERATOR} nor {ROBOT}, which the programs write at --result"
         )
-    console = Console(file=sys.stderr if as_json else sys.stdout)
+    console = page(stderr=as_json)
     code = conclude(run, folder, console, why=why, as_json=as_json)
     write_scenario(run, folder)
     return code
@@ -40,7 +40,8 @@ def conclude(run: Run, folder: Path, console: Console, *, why: str, as_json: boo
     write_summary(summary, folder)
     trajectory = results.robot.trajectory if results.robot is not None else []
     series = results.operator.series if results.operator is not None else []
-    figure = draw_run(run.scenario, summary, trajectory, series, folder) if trajectory else None
+    silences = results.operator.silences if results.operator is not None else []
+    figure = draw_run(run.scenario, summary, trajectory, series, folder, silences) if trajectory else None
     if results.operator is not None and results.operator.notice:
         console.print(results.operator.notice, style="yellow", markup=False)
     print_outcome(summary, folder, figure, console, as_json=as_json)

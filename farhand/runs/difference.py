@@ -1,6 +1,7 @@
 """Where an operator's own scenario differs from what the robot says of itself."""
 
 from farhand.common.messages.description import RobotDescription
+from farhand.common.messages.scene import Obstacle, Scene
 from farhand.runs.scenario import Scenario
 
 _COMPARED = (
@@ -27,3 +28,28 @@ def difference(robot: RobotDescription, scenario: Scenario) -> str:
     if not found:
         return ""
     return f"robot {robot.source!r} is another one than this scenario says; in force is: {', '.join(found)}"
+
+
+def scene_difference(scene: Scene, scenario: Scenario) -> str:
+    """One line where the robot has other obstacles or targets than the scenario; else an empty string.
+
+    Of obstacles that move only size and way are compared: where they are by now is the robot's to say.
+    """
+    there, here = _fixed(scene.obstacles), _fixed(scenario.obstacles)
+    found = [f"obstacle {name!r} is only {place}" for name, place in _only_once(there, here)]
+    found += [f"obstacle {name!r} differs" for name in there if name in here and there[name] != here[name]]
+    if scene.targets != scenario.targets:
+        found.append(f"{len(scene.targets)} targets there, {len(scenario.targets)} here, not the same")
+    if not found:
+        return ""
+    others = ", ".join(found)
+    return f"robot {scene.source!r} has another scene than this scenario says; its own is in force: {others}"
+
+
+def _fixed(obstacles: tuple[Obstacle, ...]) -> dict[str, object]:
+    """What of each obstacle does not change with time."""
+    return {o.id: (o.radius, o.velocity, None if any(o.velocity) else o.position) for o in obstacles}
+
+
+def _only_once(there: dict[str, object], here: dict[str, object]) -> list[tuple[str, str]]:
+    return [(n, "there") for n in there if n not in here] + [(n, "here") for n in here if n not in there]

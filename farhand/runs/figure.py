@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.operator_side.result import Sample
+from farhand.operator_side.result import Sample, Span
 from farhand.runs.scenario import Scenario
-from farhand.runs.summary import RunSummary
+from farhand.runs.summary import RunSummary, motion_start
 
 WIDTH = 7.16  # inches: two columns of an IEEE page
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#666666"
@@ -25,21 +25,30 @@ STYLE: dict[Any, Any] = {
 }
 AXES = "xyz"
 
+SILENCE = {"color": GREY, "alpha": 0.25, "lw": 0}
+STOP = {"color": RED, "lw": 0.9, "ls": "-."}
+
 Trajectory = Sequence[Sequence[float]]
 Series = Sequence[Sample]
 
 
 def draw_run(
-    scenario: Scenario, summary: RunSummary, trajectory: Trajectory, series: Series, folder: Path
+    scenario: Scenario,
+    summary: RunSummary,
+    trajectory: Trajectory,
+    series: Series,
+    folder: Path,
+    silences: Sequence[Span] = (),
 ) -> Path:
     """Write `run.png` and `run.pdf`; returns the PNG.
 
     Args:
         scenario: for obstacles, targets and limits.
-        summary: for the title.
+        summary: for the title, the stops and what was lost.
         trajectory: (t, x, y, z, clearance) of the robot, in s and m.
         series: (t, rtt, sigma, inflation, clearance) of the operator's ticks, in s and m.
         folder: where to write.
+        silences: (from, to) of times without an answer of the robot, s since the first motion command.
     """
     import matplotlib as mpl
 
@@ -47,13 +56,16 @@ def draw_run(
     import matplotlib.pyplot as plt
 
     path = np.asarray(trajectory, dtype=float).reshape(-1, 5)
+    began = motion_start(trajectory)
     with plt.rc_context(STYLE):
-        figure = plt.figure(figsize=(WIDTH, 3.1), layout="constrained")
+        figure = plt.figure(figsize=(WIDTH, 3.3), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
-        _draw_path(figure.add_subplot(grid[:, 0]), scenario, path, series)
+        _draw_path(figure.add_subplot(grid[:, 0]), scenario, summary, path, series)
         above = figure.add_subplot(grid[0, 1])
-        _draw_clearance(above, summary, path)
-        _draw_round_trip(figure.add_subplot(grid[1, 1], sharex=above), series)
+        _draw_clearance(above, summary, path, began)
+        below = figure.add_subplot(grid[1, 1], sharex=above)
+        _draw_round_trip(below, series, silences)
+        _mark_interruptions(above, below, summary, silences)
         above.tick_params(labelbottom=False)
         figure.suptitle(_title(summary), fontsize=8, x=0.01, ha="left")
         png = folder / "run.png"
@@ -69,9 +81,8 @@ def _title(summary: RunSummary) -> str:
         if summary.min_clearance is None
         else f"least clearance {summary.min_clearance * 1e3:.1f} mm"
     )
-    verdict = ("safe" if summary.safe else "NOT SAFE") + (
-        ", finished" if summary.finished else ", NOT FINISHED"
-    )
+    verdict = "safe" if summary.safe else "NOTHING WAS DRIVEN" if summary.driven is False else "NOT SAFE"
+    verdict += ", finished" if summary.finished else ", NOT FINISHED"
     return f"{summary.scenario} over {summary.network}, margin {summary.margin}: {verdict}, {least}"
 
 
@@ -83,70 +94,151 @@ def plane_of(scenario: Scenario, path: Array) -> tuple[int, int]:
     return first, second
 
 
-def _draw_path(axes: Any, scenario: Scenario, path: Array, series: Series) -> None:
-    from matplotlib.patches import Circle
+def passing(scenario: Scenario, path: Array, plane: tuple[int, int]) -> Array:
+    """(n,) whether the tool is drawn inside the outline of a limit that it is in front of or behind.
 
-    a, b = plane_of(scenario, path)
+    The rings are outlines of spheres: in the plane of the drawing the tool may be inside one, in space it is not.
+    """
     keep = scenario.robot.radius + scenario.controller.d_min
-    inflation = max((s[3] for s in series), default=0.0)
-    for index, obstacle in enumerate(scenario.obstacles):
-        centre = (obstacle.position[a], obstacle.position[b])
-        first = index == 0
-        axes.add_patch(
-            Circle(centre, obstacle.radius, color=GREY, alpha=0.75, lw=0, label="obstacle" if first else None)
+    found = np.zeros(len(path), dtype=bool)
+    t = path[:, 0] - (path[0, 0] if len(path) else 0.0)
+    for obstacle in scenario.obstacles:
+        centres = np.asarray(obstacle.position) + t[:, None] * np.asarray(obstacle.velocity)
+        offsets = path[:, 1:4] - centres
+        drawn = np.linalg.norm(offsets[:, list(plane)], axis=1)
+        found |= (drawn < obstacle.radius + keep) & (
+            np.linalg.norm(offsets, axis=1) >= obstacle.radius + keep
         )
-        ring = {"fill": False, "lw": 0.9, "ls": "--"}
-        axes.add_patch(
-            Circle(
-                centre, obstacle.radius + keep, ec=RED, label="tool centre's limit" if first else None, **ring
-            )
-        )
-        if inflation > 0:
-            label = f"with largest margin, {inflation * 1e3:.0f} mm" if first else None
-            axes.add_patch(
-                Circle(
-                    centre, obstacle.radius + keep + inflation, ec=ORANGE, label=label, **ring | {"ls": ":"}
-                )
-            )
-    axes.plot(path[:, 1 + a], path[:, 1 + b], color=BLUE, lw=1.3, label="tool")
+    return found
+
+
+def margin_when_nearest(series: Series) -> float:
+    """The inflation in force when the clearance was least (m): what the path at the obstacle shows.
+
+    The largest of a run may come from a moment far away from any obstacle, and its ring would swallow the path.
+    """
+    known = [(sample[4], sample[3]) for sample in series if sample[4] is not None]
+    return min(known)[1] if known else 0.0
+
+
+def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, series: Series) -> None:
+    a, b = plane_of(scenario, path)
+    _draw_obstacles(axes, scenario, (a, b), margin_when_nearest(series))
+    hidden = passing(scenario, path, (a, b))
+    x, y = path[:, 1 + a], path[:, 1 + b]
+    axes.plot(x, np.where(hidden, np.nan, y), color=BLUE, lw=1.3, label="tool")
+    if hidden.any():
+        label = f"tool in front of it or behind (${AXES[3 - a - b]}$)"
+        axes.plot(x, np.where(hidden, y, np.nan), color=BLUE, lw=0.7, ls=(0, (1, 1)), label=label)
+    too_near = path[:, 4] < summary.d_min
+    if too_near.any():
+        axes.plot(x, np.where(too_near, y, np.nan), color=RED, lw=3.0, label="too near")
+        worst = int(np.argmin(path[:, 4]))
+        axes.plot(x[worst], y[worst], "o", ms=11, mfc="none", mec=RED, mew=1.2)
     axes.plot(scenario.start[a], scenario.start[b], "s", color=BLUE, ms=5, label="start")
     for number, target in enumerate(scenario.targets, 1):
         axes.plot(target[a], target[b], "*", color=GREEN, ms=9, label="targets" if number == 1 else None)
         axes.annotate(str(number), (target[a], target[b]), xytext=(4, 4), textcoords="offset points")
+    _mark_stops(axes, summary, path, (a, b))
     axes.set_aspect("equal", adjustable="datalim")
-    unseen = np.ptp(path[:, 1 + 3 - a - b]) if len(path) else 0.0
-    if unseen > 0.005:  # the rings are outlines of spheres: the tool may pass in front of one
-        note = f"seen along ${AXES[3 - a - b]}$, in which the tool moves {unseen * 1e3:.0f} mm"
-        axes.text(0.02, 0.98, note, transform=axes.transAxes, va="top", fontsize=6.5, color=GREY)
     axes.autoscale_view()
     axes.set_xlabel(f"${AXES[a]}$ (m)")
     axes.set_ylabel(f"${AXES[b]}$ (m)")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False, handlelength=1.6)
 
 
-def _draw_clearance(axes: Any, summary: RunSummary, path: Array) -> None:
+def _draw_obstacles(axes: Any, scenario: Scenario, plane: tuple[int, int], inflation: float) -> None:
+    from matplotlib.patches import Circle
+
+    keep = scenario.robot.radius + scenario.controller.d_min
+    for index, obstacle in enumerate(scenario.obstacles):
+        centre = obstacle.position[plane[0]], obstacle.position[plane[1]]
+        rings: list[tuple[float, str, dict[str, Any]]] = [
+            (obstacle.radius, "obstacle", {"color": GREY, "alpha": 0.75, "lw": 0}),
+            (
+                obstacle.radius + keep,
+                "tool centre's limit",
+                {"fill": False, "lw": 0.9, "ls": "--", "ec": RED},
+            ),
+        ]
+        if inflation > 0:
+            label = f"with the margin when nearest, {inflation * 1e3:.0f} mm"
+            style = {"fill": False, "lw": 0.9, "ls": ":", "ec": ORANGE}
+            rings.append((obstacle.radius + keep + inflation, label, style))
+        for radius, label, style in rings:
+            axes.add_patch(Circle(centre, radius, label=label if index == 0 else None, **style))
+
+
+def _mark_stops(axes: Any, summary: RunSummary, path: Array, plane: tuple[int, int]) -> None:
+    """A cross where the tool was when the robot stopped."""
+    if len(path) == 0:
+        return
+    began = motion_start(path.tolist())
+    stops = [t + began for t, mode, _ in summary.interruptions if mode in ("stopped", "estop")]
+    for number, t in enumerate(stops):
+        row = path[min(len(path) - 1, int(np.searchsorted(path[:, 0], t)))]
+        label = "stop" if number == 0 else None
+        axes.plot(row[1 + plane[0]], row[1 + plane[1]], "x", color=RED, ms=7, mew=1.5, label=label)
+
+
+def _draw_clearance(axes: Any, summary: RunSummary, path: Array, began: float) -> None:
     if len(path) == 0 or summary.min_clearance is None:
         axes.text(0.5, 0.5, "no obstacle", ha="center", transform=axes.transAxes)
         return
-    moved = np.linalg.norm(path[:, 1:4] - path[0, 1:4], axis=1) > 1e-3
-    began = path[int(np.argmax(moved)), 0] if moved.any() else path[0, 0]
-    axes.plot(path[:, 0] - began, path[:, 4] * 1e3, color=BLUE, lw=1.0)
-    low = min(-10.0, summary.min_clearance * 1e3 - 15.0)
-    axes.axhspan(low, summary.d_min * 1e3, color=RED, alpha=0.15, lw=0)
-    axes.axhline(
-        summary.d_min * 1e3, color=RED, lw=0.8, ls="--", label=f"$d_{{min}}$ = {summary.d_min * 1e3:g} mm"
-    )
+    t, clearance = path[:, 0] - began, path[:, 4] * 1e3
+    d_min, least = summary.d_min * 1e3, summary.min_clearance * 1e3
+    axes.plot(t, clearance, color=BLUE, lw=1.0)
+    low = min(-10.0, least - 15.0)
+    axes.axhspan(low, d_min, color=RED, alpha=0.15, lw=0)
+    axes.axhline(d_min, color=RED, lw=0.8, ls="--", label=f"$d_{{min}}$ = {d_min:g} mm")
     axes.set_ylim(bottom=low)
     axes.set_xlim(left=0)
     axes.set_ylabel("clearance (mm)")
+    if least < d_min:
+        worst = int(np.argmin(clearance))
+        axes.plot(t, np.where(clearance < d_min, clearance, np.nan), color=RED, lw=2.5)
+        axes.plot(t[worst], clearance[worst], "o", ms=8, mfc="none", mec=RED, mew=1.2)
+        axes.annotate(
+            f"{d_min - least:.1f} mm too near",
+            (t[worst], clearance[worst]),
+            xytext=(0, 22),
+            textcoords="offset points",
+            ha="left" if t[worst] < 0.5 * t[-1] else "right",
+            color=RED,
+            arrowprops={"arrowstyle": "->", "color": RED, "lw": 0.8},
+        )
     axes.legend(frameon=False, loc="upper right")
 
 
-def _draw_round_trip(axes: Any, series: Series) -> None:
+def _draw_round_trip(axes: Any, series: Series, silences: Sequence[Span]) -> None:
+    """What was measured; the line is broken where nothing was."""
     known = [(t, rtt * 1e3) for t, rtt, *_ in series if rtt is not None and t > 0]
     if known:
-        t, rtt = zip(*known, strict=True)
+        t, rtt = np.array(known).T
+        for begin, end in silences:
+            rtt = np.where((t > begin) & (t < end), np.nan, rtt)
         axes.plot(t, rtt, color=ORANGE, lw=0.9)
         axes.set_ylim(bottom=0)
     axes.set_xlabel("time since the first motion (s)")
     axes.set_ylabel("round trip (ms)")
+
+
+def _mark_interruptions(above: Any, below: Any, summary: RunSummary, silences: Sequence[Span]) -> None:
+    """Times without an answer as grey bands, stops as lines, in both; what was lost as a note."""
+    for axes in (above, below):
+        right = axes.get_xlim()[1]
+        for number, (begin, end) in enumerate(silences):
+            label = "no answer" if number == 0 and axes is below else None
+            axes.axvspan(max(0.0, begin), max(0.0, end), label=label, **SILENCE)
+        stops = [t for t, mode, _ in summary.interruptions if mode in ("stopped", "estop")]
+        for number, t in enumerate(stops):
+            axes.axvline(t, label="stop" if number == 0 and axes is below else None, **STOP)
+        axes.set_xlim(0.0, right)
+    netem = summary.counts.netem
+    if netem is not None:
+        up, down = (sum(way.dropped.values()) for way in (netem.uplink, netem.downlink))
+        if up or down:
+            note = f"lost: {up} up, {down} down"
+            below.text(0.02, 0.04, note, transform=below.transAxes, fontsize=6.5, color=GREY)
+    if silences or summary.interruptions:
+        below.legend(frameon=False, loc="upper right", ncols=2)

@@ -6,9 +6,11 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from farhand.netem.measure.result import NetemCounts
+from farhand.netem.measure.result import DirectionCounts, NetemCounts
 from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
+
+SHOWN_STOPS = 5
 
 
 def print_outcome(
@@ -22,8 +24,8 @@ def print_outcome(
     """Print the summary; with `as_json`, the last line on stdout is the summary as JSON."""
     console.print(_verdict(summary))
     table = Table.grid(padding=(0, 2))
-    table.add_column(style="dim", justify="right")
-    table.add_column()
+    table.add_column(style="dim", justify="right", no_wrap=True)
+    table.add_column(overflow="fold")
     for label, text in _rows(summary):
         table.add_row(label, text)
     drawn = _drawn_against_achieved(summary.counts.netem)
@@ -40,37 +42,109 @@ def print_outcome(
 
 
 def _verdict(summary: RunSummary) -> Text:
-    safe = (" SAFE ", "bold white on green") if summary.safe else (" NOT SAFE ", "bold white on red")
+    if summary.safe:
+        safe = (" SAFE ", "bold white on green")
+    elif summary.driven is False and not summary.too_near:
+        safe = (" NOTHING WAS DRIVEN ", "bold black on yellow")
+    else:
+        safe = (" NOT SAFE ", "bold white on red")
     done = (
         (" FINISHED ", "bold white on green")
         if summary.finished
         else (" NOT FINISHED ", "bold black on yellow")
     )
-    return Text.assemble(safe, " ", done, f"  {summary.why}" if summary.why else "")
+    said = "; ".join(part for part in (summary.too_near, summary.why) if part)
+    return Text.assemble(safe, " ", done, f"  {said}" if said else "")
 
 
 def _rows(summary: RunSummary) -> list[tuple[str, str]]:
-    if summary.min_clearance is None:
-        clearance = "no obstacle in the scene, or unknown"
-    else:
-        clearance = f"{summary.min_clearance * 1e3:.1f} mm least (limit {summary.d_min * 1e3:g} mm)"
-        if summary.min_arm_clearance is not None:
-            clearance += f", whole arm {summary.min_arm_clearance * 1e3:.1f} mm"
-    refused = f"{summary.refused} ({count_reasons(summary.refused_by.items())})" if summary.refused else "0"
-    counts = f"intervened in {summary.interventions} of {summary.ticks} ticks"
-    return [
-        ("clearance", clearance),
+    rows = [
+        ("clearance", _clearance(summary)),
+        ("arm", _arm(summary)),
         ("targets", f"{summary.targets_reached} of {summary.targets} in {summary.duration:.1f} s"),
         (
             "round trip",
             f"{milliseconds(summary.rtt_mean)} ± {milliseconds(summary.rtt_std)} ms with computing",
         ),
-        (
-            "filter",
-            f"{counts}, no plan in {summary.infeasible}; {summary.controller}, solver {summary.solver}",
-        ),
-        ("robot", f"{summary.stops} stops, refused commands: {refused}"),
+        ("lost", _lost(summary.counts.netem)),
+        ("silence", _silence(summary)),
+        ("filter", _filter(summary)),
+        ("stops", _stops(summary)),
+        ("refused", f"{summary.refused} commands: {count_reasons(summary.refused_by.items())}"),
+        ("stood", _stood(summary)),
     ]
+    left_out = {"refused"} if not summary.refused else set()
+    return [(label, text) for label, text in rows if text and label not in left_out]
+
+
+def _clearance(summary: RunSummary) -> str:
+    if summary.min_clearance is None:
+        return "no obstacle in the scene, or unknown"
+    whose = f"of the tool's safety sphere (radius {summary.radius * 1e3:g} mm)"
+    to = f" to {summary.nearest_obstacle!r}" if summary.nearest_obstacle else ""
+    return f"{summary.min_clearance * 1e3:.1f} mm least (limit {summary.d_min * 1e3:g} mm), {whose}{to}"
+
+
+def _arm(summary: RunSummary) -> str:
+    if summary.min_arm_clearance is None:
+        return ""
+    part = f", {summary.nearest_part}" if summary.nearest_part else ""
+    to = f" to {summary.nearest_to_arm!r}" if summary.nearest_to_arm else ""
+    return f"{summary.min_arm_clearance * 1e3:.1f} mm least, of the bare arm without that sphere{part}{to}"
+
+
+def _lost(netem: NetemCounts | None) -> str:
+    """`up 12 of 300 (loss 10, outage 2), down none of 3000`."""
+    if netem is None:
+        return "unknown: the emulator left no result"
+    ways = [f"{label} {_lost_of(way)}" for label, way in (("up", netem.uplink), ("down", netem.downlink))]
+    if netem.overflowed or netem.send_errors:
+        ways.append(f"in the emulator itself {netem.overflowed + netem.send_errors}")
+    return ", ".join(ways)
+
+
+def _lost_of(way: DirectionCounts) -> str:
+    lost = sum(way.dropped.values())
+    total = way.received + way.duplicated
+    return f"{lost} of {total} ({count_reasons(way.dropped.items())})" if lost else f"none of {total}"
+
+
+def _silence(summary: RunSummary) -> str:
+    """The longest times in which nothing came."""
+    operator, robot = summary.counts.operator, summary.counts.robot
+    found = []
+    if operator is not None and operator.states:
+        found.append(f"{operator.longest_silence:.2f} s without a state at the operator")
+    if robot is not None and robot.commands_received:
+        found.append(f"{robot.longest_silence:.2f} s without a command at the robot")
+    return f"longest: {', '.join(found)}" if found else ""
+
+
+def _filter(summary: RunSummary) -> str:
+    plans = f"no plan found in {summary.infeasible} of them" if summary.infeasible else "always with a plan"
+    changed = f"intervened in {summary.interventions} of {summary.ticks} ticks"
+    return f"{changed}, {plans}; {summary.controller}, solver {summary.solver}"
+
+
+def _stops(summary: RunSummary) -> str:
+    """How many, when (since the first motion) and why; who acknowledged, if nobody did by hand."""
+    latched = [(t, reason) for t, mode, reason in summary.interruptions if mode in ("stopped", "estop")]
+    told = [f"at {t:.1f} s {reason}" for t, reason in latched[:SHOWN_STOPS]]
+    if len(latched) > SHOWN_STOPS:
+        told.append(f"and {len(latched) - SHOWN_STOPS} more")
+    if summary.stops and summary.acknowledges_itself:
+        told.append("acknowledged by the steering device itself")
+    holds = summary.counts.robot.holds if summary.counts.robot is not None else 0
+    more = f", {holds} holds for want of commands" if holds else ""
+    return f"{summary.stops}{more}" + (f": {'; '.join(told)}" if told else "")
+
+
+def _stood(summary: RunSummary) -> str:
+    """For how long there was no progress, by what held the robot."""
+    standing = summary.counts.operator.standing if summary.counts.operator is not None else {}
+    return ", ".join(
+        f"{n * summary.period:.1f} s without progress: held by {what}" for what, n in sorted(standing.items())
+    )
 
 
 def _drawn_against_achieved(netem: NetemCounts | None) -> str:

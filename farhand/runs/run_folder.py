@@ -6,11 +6,11 @@ import tomli_w
 
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import local_timestamp
-from farhand.operator_side.result import OperatorResult
 from farhand.runs.files import RECORDING, RESULTS, SCENARIO, SUMMARY
 from farhand.runs.results import RunResults
 from farhand.runs.run import Run
 from farhand.runs.summary import RunSummary, summarise
+from farhand.runs.why import unfinished
 
 
 def make_run_folder(out: Path | None, name: str) -> Path:
@@ -41,15 +41,7 @@ def summarise_results(run: Run, results: RunResults, why: str = "") -> RunSummar
     if operator is None:
         why = why or "the operator's program left no result"
     elif not operator.finished:
-        why = why or _why(operator, len(run.scenario.targets))
+        why = why or unfinished(operator.last_report, run)
     if results.robot is None:
         why = why or "the robot's program left no result"
     return summarise(run, results, real_time=True, why=why)
-
-
-def _why(operator: OperatorResult, count: int) -> str:
-    last = operator.last_report
-    reached = last.target_index if last is not None else 0
-    reason = last.stop_reason if last is not None else ""
-    standing = "" if reason or last is None or last.binding == "" else f"; held back by {last.binding!r}"
-    return f"{reached} of {count} targets reached{standing}" + (f"; at the end: {reason}" if reason else "")

@@ -1,23 +1,30 @@
 """The summary of a run: was it safe, did it finish, and how did the network do."""
 
 import json
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import msgspec
 
+from farhand.common.messages.base import SafetyMode
 from farhand.operator_side.result import OperatorResult
+from farhand.operator_side.steering.registry import DEVICES
 from farhand.robot_side.result import RobotResult
 from farhand.runs.files import SUMMARY
 from farhand.runs.results import Counts, RunResults
 from farhand.runs.run import Run
+from farhand.runs.why import too_near
 
 
 class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     """SI units. The figures that decide stand here by name; every counter of the programs stands in `counts`.
 
     Attributes:
-        safe: the true clearance never fell below d_min, and no link of an arm touched an obstacle.
+        safe: the true clearance never fell below d_min, and no link of an arm touched an obstacle; of a run in
+            which no state of the robot arrived nothing is known to be safe.
+        driven: whether the operator's side ever had a state of the robot; None: it left no result.
+        too_near: part and obstacle that came too near, in words; empty otherwise.
         finished: all targets were reached within the time limit.
         min_clearance: smallest true clearance of the robot's safety sphere (m); None without obstacles.
         min_arm_clearance: smallest true distance of the whole arm to an obstacle (m), where computed.
@@ -27,6 +34,12 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         interventions: ticks in which something binds or a reason stands (see ControlReport.intervening).
         infeasible: ticks in which the solver found no plan that meets every constraint.
         stops: latched stops of the robot.
+        interruptions: (t, mode, reason) of stops, and of holds for want of commands; s since the first motion.
+        radius: of the sphere around the tool that must stay clear (m).
+        nearest_obstacle: to which the tool's sphere came nearest.
+        nearest_part, nearest_to_arm: the part of the arm that came nearest to an obstacle, and that obstacle.
+        period: of a control tick (s).
+        acknowledges_itself: whether the steering device acknowledges stops without a person.
         refused: commands that the robot refused.
         refused_by: the same by reason.
         solver: what solved.
@@ -63,6 +76,15 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     solver: str
     real_time: bool
     why: str = ""
+    driven: bool | None = None
+    too_near: str = ""
+    interruptions: list[tuple[float, SafetyMode, str]] = msgspec.field(default_factory=list)
+    radius: float = 0.0
+    nearest_obstacle: str = ""
+    nearest_part: str = ""
+    nearest_to_arm: str = ""
+    period: float = 0.1
+    acknowledges_itself: bool = False
     counts: Counts = Counts()
 
     @property
@@ -90,8 +112,12 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
     clear = robot.min_clearance is None or robot.min_clearance >= d_min
     free = robot.min_arm_clearance is None or robot.min_arm_clearance > 0
     last = operator.last_report
+    driven = None if results.operator is None else operator.finished or (last is not None and last.states > 0)
+    known = results.robot is not None and driven is not False
+    near = too_near(robot, d_min)
+    began = motion_start(robot.trajectory)
     return RunSummary(
-        safe=results.robot is not None and clear and free,
+        safe=known and clear and free,
         finished=operator.finished,
         min_clearance=robot.min_clearance,
         min_arm_clearance=robot.min_arm_clearance,
@@ -119,8 +145,25 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
         solver=operator.solver,
         real_time=real_time,
         why=why,
+        driven=driven,
+        too_near=near,
+        interruptions=[(t - began, mode, reason) for t, mode, reason in robot.interruptions],
+        radius=scenario.robot.radius,
+        nearest_obstacle=robot.nearest_obstacle,
+        nearest_part=robot.nearest_part,
+        nearest_to_arm=robot.nearest_to_arm,
+        period=scenario.controller.period,
+        acknowledges_itself=DEVICES.get(scenario.steering.kind, "steering.kind").acknowledges_itself,
         counts=results.counts(),
     )
+
+
+def motion_start(trajectory: Sequence[Sequence[float]]) -> float:
+    """When the tool had left its start by a millimetre (s since the robot's first tick); else its beginning."""
+    if not trajectory:
+        return 0.0
+    start = trajectory[0][1:4]
+    return next((row[0] for row in trajectory if math.dist(row[1:4], start) > 1e-3), trajectory[0][0])
 
 
 def to_json(summary: RunSummary) -> str:

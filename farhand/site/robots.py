@@ -3,9 +3,9 @@
 import json
 import threading
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import zenoh
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
@@ -13,16 +13,21 @@ from farhand.common.link.zenoh_link import open_session
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import PREFIX, robot_of, state_key
 from farhand.common.messages.state import RobotState
+from farhand.common.messages.twins import Twins
 from farhand.common.process.security import Access, secure, tool_place
 from farhand.common.process.signals import say
+from farhand.common.timing.clock import SystemClock, to_ns, to_seconds
 from farhand.operator_side.supervision import holder_name
+from farhand.runs.console import page
+from farhand.runs.freshness import Freshness, freshness
 
 MEET_TIME = 3.0
-STATE_TIME = 1.5
+LOOK_TIME = 2.0
+OVERLAP = 0.5
 
 
 def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = False) -> int:
-    """Print who is there; returns 0, or 1 if nobody answered."""
+    """Print who is there; returns 0, or 1 if nobody answered or two robots have one name."""
     folder = secure(Access(connect=tuple(connect), tls=tls), lambda line: say("robots", line))
     extra = folder.settings(tool_place(folder)) if folder else ()
     session = open_session(connect, mode="client" if router else "peer", extra=extra)
@@ -31,22 +36,25 @@ def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = 
             say("robots", f"{', '.join(connect)}: nobody answers; `farhand doctor` says why")
             return 1
         present = alive(session)
-        states = _states(session, [name for name, roles in present.items() if "robot" in roles])
+        states = _look(session, [name for name, roles in present.items() if "robot" in roles])
     finally:
         session.close()  # type: ignore[no-untyped-call]
-    rows = [_row(name, present[name], states.get(name)) for name in sorted(present) if name != "netem"]
+    rows = [robot_row(name, present[name], states.get(name)) for name in sorted(present) if name != "netem"]
     emulated = "netem" in present
+    code = 1 if any(row["there"] == "several" for row in rows) else 0
     if as_json:
         print(json.dumps({"robots": rows, "netem": emulated}))
-        return 0
+        return code
     columns = ("robot", "there", "operator", "mode", "control", "waiting")
-    table = Table(*columns, title_justify="left")
+    table = Table(title_justify="left")
+    for column in columns:
+        table.add_column(column, overflow="fold")
     for row in rows:
         table.add_row(*(escape(str(row[column])) for column in columns))
-    Console().print(table if rows else "no robots")
+    page().print(table if rows else "no robots")
     if emulated:
-        print("an emulator is on the way")
-    return 0
+        print("a network emulator (farhand netem) is between here and the robots")
+    return code
 
 
 def meet(session: zenoh.Session, timeout: float) -> bool:
@@ -74,35 +82,70 @@ def alive(session: zenoh.Session, timeout: float = 2.0) -> dict[str, set[str]]:
     return present
 
 
-def _states(session: zenoh.Session, names: Sequence[str]) -> dict[str, RobotState]:
-    """One state of each robot, as far as they come in time."""
-    found: dict[str, RobotState] = {}
-    every = threading.Event()
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """One robot's newest state.
+
+    Attributes:
+        state: the state.
+        age: since it came, at the end of the look (s).
+        twins: whether several robots of that name send states.
+    """
+
+    state: RobotState
+    age: float
+    twins: bool = False
+
+
+def _look(session: zenoh.Session, names: Sequence[str]) -> dict[str, Seen]:
+    """What robots say for a while; the age of each is counted here."""
+    clock, lock, pause = SystemClock(), threading.Lock(), threading.Event()
+    newest: dict[str, tuple[RobotState, int]] = {}
+    twins: dict[str, Twins] = {name: Twins(to_ns(OVERLAP)) for name in names}
     decoder = Decoder(RobotState)
 
     def receive(sample: zenoh.Sample) -> None:
-        state = decoder.decode(sample.payload.to_bytes())
-        if state is not None:
-            found[robot_of(str(sample.key_expr))] = state
-        if len(found) == len(names):
-            every.set()
+        now_ns = clock.now_ns()
+        with lock:
+            state, name = decoder.decode(sample.payload.to_bytes()), robot_of(str(sample.key_expr))
+            if state is not None and name in twins:
+                newest[name] = state, now_ns
+                twins[name].note(state.session, now_ns)
 
     subscribers = [session.declare_subscriber(state_key(name), receive) for name in names]
     if subscribers:
-        every.wait(STATE_TIME)
-    return dict(found)
+        pause.wait(LOOK_TIME)
+    now_ns = clock.now_ns()
+    with lock:
+        return {
+            name: Seen(state, to_seconds(now_ns - at_ns), twins[name].there(now_ns))
+            for name, (state, at_ns) in newest.items()
+        }
 
 
-def _row(name: str, roles: set[str], state: RobotState | None) -> dict[str, object]:
+def robot_row(name: str, roles: set[str], seen: Seen | None) -> dict[str, object]:
+    """What is said of one robot; nothing that a state said is told as so when the state is old."""
+    there = "yes" if "robot" in roles else "no"
+    live = seen is not None and freshness(seen.age) is Freshness.LIVE
+    state = seen.state if seen is not None and live else None
+    if seen is None:
+        mode = "no state" if "robot" in roles else "gone, or never there"
+    elif state is None:
+        mode = f"no state for {seen.age:.1f} s (was {seen.state.mode})"
+    else:
+        mode = f"{state.mode}: {state.reason}"
+    if seen is not None and seen.twins:
+        there, mode = "several", f"several robots have this name; {mode}"
     control = "?" if state is None else "free"
     if state is not None and state.holder:
         control = holder_name(state)
     return {
         "robot": name,
-        "there": "yes" if "robot" in roles else "no",
+        "there": there,
         # An operator on our own side of an emulator shows no token here, but in what the robot says of it.
         "operator": "yes" if "operator" in roles or (state is not None and state.holder) else "none seen",
-        "mode": f"{state.mode}: {state.reason}" if state is not None else "no state",
+        "mode": mode,
         "control": control,
         "waiting": ", ".join(name for _, name in state.waiting) if state is not None else "",
+        "state_age": None if seen is None else round(seen.age, 3),
     }

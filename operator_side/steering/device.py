@@ -53,9 +53,11 @@ class SteeringDevice(ABC):
 
     Attributes:
         Settings: the type of its own settings, read from the table `[steering.NAME]`.
+        acknowledges_itself: whether it clears latched stops without a person, which is said to people.
     """
 
     Settings: ClassVar[type[Section]] = NoSettings
+    acknowledges_itself: ClassVar[bool] = False
 
     def __init__(self, settings: Any = None) -> None:
         self.settings = settings

@@ -37,6 +37,7 @@ class Tester(SteeringDevice):
     """
 
     Settings: ClassVar[type[Section]] = TesterSettings
+    acknowledges_itself: ClassVar[bool] = True
 
     def __init__(self, settings: TesterSettings) -> None:
         super().__init__(settings)

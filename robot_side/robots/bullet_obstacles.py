@@ -36,6 +36,16 @@ class BulletObstacles:
                 best, name = gap, obstacle.id
         return (best, name) if name else None
 
+    def nearest_link(self, obstacles: Sequence[Obstacle]) -> tuple[int, str]:
+        """Index of the body's link that is nearest to an obstacle, and its id; -1 and empty without any near."""
+        self._place(obstacles)
+        found = [
+            (point[8], point[3], obstacle.id)
+            for obstacle, sphere in zip(obstacles, self._spheres, strict=True)
+            for point in self._bullet.getClosestPoints(self._body, sphere, _FAR, physicsClientId=self._client)
+        ]
+        return min(found)[1:] if found else (-1, "")
+
     def _place(self, obstacles: Sequence[Obstacle]) -> None:
         bullet, client = self._bullet, self._client
         shapes = [(obstacle.id, obstacle.radius) for obstacle in obstacles]

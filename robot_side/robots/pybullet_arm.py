@@ -11,6 +11,7 @@ import pinocchio as pin
 from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Array, to_vector3
 from farhand.common.messages.scene import Obstacle
+from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import JOINTS, TORQUE_LIMITS, collision_urdf, never_colliding_pairs
@@ -125,6 +126,7 @@ class UR5Robot(ArmWorld, Robot):
             else DampedLeastSquares(bounds, self.kinematics.max_velocity, down)
         )
         self._commanded: Array = np.zeros(6)
+        self._wanted: Array = np.zeros(3)
         self._dt = 0.0
         self._read()
 
@@ -154,9 +156,8 @@ class UR5Robot(ArmWorld, Robot):
         if dt != self._dt:
             self._dt = dt
             bullet.setTimeStep(dt, physicsClientId=client)
-        self._commanded = self.control.joint_velocity(
-            self._q, self._commanded, self._tool, np.asarray(velocity, dtype=float), dt
-        )
+        self._wanted = np.asarray(velocity, dtype=float)
+        self._commanded = self.control.joint_velocity(self._q, self._commanded, self._tool, self._wanted, dt)
         bullet.setJointMotorControlArray(
             self.body,
             self.joint_indices,
@@ -172,6 +173,16 @@ class UR5Robot(ArmWorld, Robot):
         """Distance of the whole arm to the nearest obstacle (m), 1 to 3 mm short of the truth."""
         nearest = self._obstacles.nearest(obstacles)
         return None if nearest is None else nearest[0]
+
+    def held_by(self) -> str:
+        """See Robot."""
+        return holder(self.kinematics, self._q, self._tool.jacobian, self._commanded, self._wanted)
+
+    def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
+        """See Robot."""
+        index, obstacle = self._obstacles.nearest_link(obstacles)
+        names = {number: name for name, number in self.link_indices.items()}
+        return names.get(index, "base") if obstacle else "", obstacle
 
     def _read(self) -> None:
         states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)

@@ -67,5 +67,13 @@ class Robot(ABC):
         """Distance of the whole body to the nearest obstacle (m); None where it is not computed."""
         return None
 
+    def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
+        """The part of the body that is nearest to an obstacle, and that obstacle; empty where not computed."""
+        return "", ""
+
+    def held_by(self) -> str:
+        """What keeps it from following its last command, such as `joint limit: elbow`; empty: nothing does."""
+        return ""
+
     def close(self) -> None:  # noqa: B027 (some have nothing to give back)
         """Give everything back; the robot is of no use afterwards."""

@@ -119,3 +119,13 @@ def test_a_handover_to_one_that_waits_no_more_is_given_up():
     ours.successor = OTHER
     assert ours.step(state(), "", ON, 0).mode == "run"
     assert ours.successor == 0
+
+
+def test_with_two_robots_of_one_name_nothing_moves_but_an_emergency_stop_goes_out():
+    supervision = Supervision(7, "operator")
+    drive = SteeringInput((0.1, 0.0, 0.0), engaged=True)
+    assert supervision.step(state(holder=7), "", drive, 0).mode == "run"
+    supervision.twins = True
+    held = supervision.step(state(holder=7), "", drive, 0)
+    assert (held.mode, "two robots call themselves 'r'" in held.reason) == ("hold", True)
+    assert supervision.step(state(holder=7), "", SteeringInput(estop=True), 0).mode == "estop"

@@ -52,7 +52,7 @@ def test_a_stop_and_its_end_are_said(rig):
     lines = rig.let(1900)
     assert [line for line in lines if line.startswith("stop: no good command for 1.5")]
     rig.send(ALICE, 3, "acknowledge")
-    assert "acknowledged: may move again" in rig.let(300)
+    assert "acknowledged by operator: may move again" in rig.let(300)
 
 
 def test_an_intruder_is_named_once_and_then_counted(rig):

@@ -9,18 +9,19 @@ from dataclasses import asdict
 from typing import Any
 
 import zenoh
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from farhand.common.errors import CertificateError, EndpointError
 from farhand.common.link.zenoh_link import check_endpoint, open_session
 from farhand.common.messages.codec import Decoder
-from farhand.common.messages.keys import about_key, state_key
+from farhand.common.messages.keys import about_key
 from farhand.common.messages.state import RobotState
 from farhand.common.process.security import tool_place
 from farhand.common.trust.tls import TlsFolder, load_folder
+from farhand.runs.console import page
 from farhand.runs.scenario import Scenario
+from farhand.site.doctor.description import DESCRIPTION_TIME, Listening, judge_robot
 from farhand.site.doctor.facts import judge, own_certificate, rights, this_host
 from farhand.site.doctor.network import Finding, probe_tcp, probe_tls
 from farhand.site.doctor.path import decoded_facts, judge_path, measure
@@ -49,11 +50,13 @@ def run_doctor(
     if as_json:
         print(json.dumps([asdict(finding) for finding in findings]))
         return 1 if bad else 0
-    table = Table("", "what", "found, and what to do", title=f"the path to {robot}", title_justify="left")
+    table = Table(title=f"the path to {robot}", title_justify="left")
+    for column in ("", "what", "found, and what to do"):
+        table.add_column(column, overflow="fold")
     for finding in findings:
         remedy = f"\n→ {finding.remedy}" if finding.remedy else ""
         table.add_row(finding.level, finding.what, escape(finding.found + remedy))
-    console = Console()
+    console = page()
     console.print(table)
     notes = sum(finding.level == "note" for finding in findings)
     ways = f"{bad or 'nothing'} of this is in the way" if bad else "nothing is in the way"
@@ -114,7 +117,7 @@ def _ask(
     present, own = alive(session), this_host()
     findings = _router(session, router)
     if "netem" in present:
-        findings.append(Finding("good", "emulator", "on the way"))
+        findings.append(Finding("good", "emulator", "between here and the robot"))
         emulators = _facts(session, about_key("netem", "netem"))
         for facts in emulators:
             findings += judge("emulator", facts, own)
@@ -122,7 +125,7 @@ def _ask(
             remedy = "is it overloaded, or its farhand an old one? install the same on all hosts"
             findings.append(Finding("note", "emulator", "does not say what it is", remedy))
     else:
-        findings.append(Finding("good", "emulator", "none on the way"))
+        findings.append(Finding("good", "emulator", "none between here and the robot"))
     if "robot" not in present.get(robot, set()):
         there = ", ".join(n for n in sorted(present) if "robot" in present[n]) or "no robot"
         remedy = "start `farhand robot`, or see --robot; with TLS look at the members/ on the way"
@@ -130,18 +133,13 @@ def _ask(
             remedy += "; give --router here, and there"
         return [*findings, Finding("bad", "robot", f"{robot!r} is not there; there is: {there}", remedy)]
     findings.append(Finding("good", "robot", "there"))
-    decoder, states = Decoder(RobotState), [0]
-
-    def receive(sample: zenoh.Sample) -> None:
-        states[0] += decoder.decode(sample.payload.to_bytes()) is not None
-
-    subscriber = session.declare_subscriber(state_key(robot), receive)
-    answers = measure(session, about_key(robot, "robot"), count)
-    subscriber.undeclare()  # type: ignore[no-untyped-call]
+    with Listening(session, robot) as heard:
+        answers = measure(session, about_key(robot, "robot"), count)
+        heard.wait_for_description(DESCRIPTION_TIME)
     if answers.facts:
         findings += judge("robot", answers.facts, own)
     findings += judge_path(answers, scenario)
-    return [*findings, _states(states[0], decoder)]
+    return [*findings, _states(heard.states, heard.decoder), *judge_robot(heard, scenario)]
 
 
 def _router(session: zenoh.Session, router: bool) -> list[Finding]:

@@ -1,8 +1,10 @@
 """What an operator is told whose scenario is not the robot's."""
 
-from farhand.runs.difference import difference
+import msgspec
+
+from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import load_scenario, replace_settings
-from farhand.testing import description
+from farhand.testing import description, scene
 
 
 def test_every_difference_is_named_with_both_values():
@@ -18,3 +20,19 @@ def test_every_difference_is_named_with_both_values():
         changed = difference(description(**{name: 7.5}), scenario)
         assert f".{name} 7.5 " in changed
         assert "\n" not in changed
+
+
+def test_another_scene_is_named_and_where_a_moving_obstacle_is_by_now_is_no_difference():
+    scenario = load_scenario("point-obstacle")
+    (ball,) = scenario.obstacles[:1]
+    same = scene(0, *scenario.obstacles, targets=scenario.targets)
+    assert scene_difference(same, scenario) == ""
+    larger = msgspec.structs.replace(ball, radius=ball.radius + 0.01)
+    line = scene_difference(scene(0, larger, *scenario.obstacles[1:], targets=()), scenario)
+    assert f"obstacle {ball.id!r} differs" in line
+    assert "0 targets there" in line
+    assert "\n" not in line
+    moving = msgspec.structs.replace(ball, velocity=(0.1, 0.0, 0.0))
+    moved = msgspec.structs.replace(moving, position=(9.0, 9.0, 9.0))
+    drifting = msgspec.structs.replace(scenario, obstacles=(moving,))
+    assert scene_difference(scene(0, moved, targets=scenario.targets), drifting) == ""

@@ -1,0 +1,95 @@
+"""A robot that makes no progress: since when, and what holds it."""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.command import CommandMode
+from farhand.common.messages.state import RobotState
+
+WINDOW_NS = 3_000_000_000
+PROGRESS = 0.1
+"""Of the way that was wanted: who comes less far makes none."""
+LEAST_WAY = 0.01
+"""A wish for less than this (m in 3 s) is none."""
+OLD_NS = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One tick.
+
+    Attributes:
+        now_ns: its beginning.
+        mode, reason: of the command; why it is zero, or empty.
+        desired, sent: velocity before and after the filter (m/s).
+        binding: id of the obstacle that binds, or empty.
+    """
+
+    now_ns: int
+    mode: CommandMode
+    reason: str
+    desired: Vector3
+    sent: Vector3
+    binding: str
+
+
+class Standstill:
+    """Compares, over the last 3 s, the way that was wanted and the one that was made.
+
+    What holds the robot on purpose (a stop, a device that is not engaged) has its reason in the report already;
+    so has a silence. Of the rest the robot itself knows its limits, and the filter its obstacles.
+    """
+
+    def __init__(self) -> None:
+        self._past: deque[tuple[Attempt, Vector3]] = deque()
+        self._bound = ""  # the obstacle that bound last while there was no progress
+
+    def step(self, attempt: Attempt, state: RobotState | None, state_age_ns: int) -> str:
+        """What holds the robot; empty while it makes progress, or nobody wants any.
+
+        Args:
+            attempt: this tick.
+            state: newest of the robot.
+            state_age_ns: since it came.
+        """
+        if state is None or attempt.mode != "run" or state_age_ns > OLD_NS:
+            self._past.clear()
+            self._bound = ""
+            return ""
+        self._bound = attempt.binding or self._bound
+        past = self._past
+        past.append((attempt, state.position))
+        while len(past) > 1 and attempt.now_ns - past[1][0].now_ns >= WINDOW_NS:
+            past.popleft()
+        if attempt.now_ns - past[0][0].now_ns < WINDOW_NS:
+            return ""
+        wanted, sent = self._way("desired"), self._way("sent")
+        made = math.dist(past[0][1], state.position)
+        if wanted < LEAST_WAY or made >= PROGRESS * wanted:
+            self._bound = attempt.binding
+            return ""
+        return self._holder(state, follows=sent <= 2 * PROGRESS * wanted)
+
+    def _way(self, velocity: str) -> float:
+        """Length of the way that a velocity makes over the window (m)."""
+        total = [0.0, 0.0, 0.0]
+        for (attempt, _), (after, _) in zip(self._past, list(self._past)[1:], strict=False):
+            dt = (after.now_ns - attempt.now_ns) * 1e-9
+            for k, v in enumerate(getattr(attempt, velocity)):
+                total[k] += v * dt
+        return math.hypot(*total)
+
+    def _holder(self, state: RobotState, *, follows: bool) -> str:
+        """Who holds it: the robot's own limits, an obstacle, another reason of the filter."""
+        if state.held_by:
+            return f"the robot: {state.held_by}"
+        if self._bound:
+            return f"obstacle {self._bound!r}"
+        reason = next((a.reason for a, _ in reversed(self._past) if a.reason), "")
+        if reason:
+            return reason
+        return (
+            "the filter, without an obstacle" if follows else "the robot, which does not follow its commands"
+        )

@@ -1,0 +1,103 @@
+"""The live status: nothing that is old has a colour of what is live, and what is gone is said."""
+
+import io
+import re
+
+import pytest
+from rich.console import Console
+
+from farhand.demo.live_status import Arrived, StatusView, line, render
+from farhand.runs.freshness import Ages, picture
+from farhand.testing import report
+
+S = 1_000_000_000
+BACKGROUND = re.compile(r"\x1b\[(?:\d+;)*4[0-7](?:;\d+)*m")
+DRIVING = {
+    "safety": "run",
+    "states": 500,
+    "state_rate": 101.0,
+    "clearance": 0.12,
+    "min_clearance": 0.05,
+    "target_index": 1,
+    "target_count": 3,
+    "rtt_mean": 0.12,
+    "rtt_std": 0.01,
+}
+
+
+def drawn(ages, connected=True, **fields):
+    """The screen as escape codes, and as plain text."""
+    console = Console(file=io.StringIO(), force_terminal=True, width=80, color_system="standard")
+    shown = picture(ages, connected=connected)
+    console.print(render(report(9, **DRIVING | fields), shown, 12.3, "r at here", [0.1, 0.2]))
+    codes = console.file.getvalue()
+    return codes, re.sub(r"\x1b\[[0-9;]*m", "", codes)
+
+
+def test_what_is_live_is_coloured():
+    codes, text = drawn(Ages(0.1, 0.1))
+    assert " RUN " in text
+    assert "101 /s" in text
+    assert BACKGROUND.search(codes)
+
+
+@pytest.mark.parametrize("ages", [Ages(2.0, 2.0), Ages(11.0, 11.0), Ages(0.1, 2.0), Ages(0.1, 11.0)])
+@pytest.mark.parametrize("mode", ["run", "hold", "stopped"])
+def test_what_is_old_is_not_drawn_as_live(ages, mode):
+    codes, text = drawn(ages, safety=mode)
+    assert f"was {mode}" in text
+    assert f" {mode.upper()} " not in text
+    assert "101 /s" not in text
+    assert "clock stands" in text
+    assert f"{max(ages.report, ages.state):.1f} s" in text
+    for row in codes.splitlines()[2:]:
+        assert not BACKGROUND.search(row), row
+
+
+def test_an_operator_that_is_gone_filters_nothing():
+    for fields in ({"intervening": True, "binding": "ball"}, {"status": "infeasible"}, {}):
+        codes, text = drawn(Ages(11.0, 11.0), connected=False, **fields)
+        assert "OPERATOR GONE: no report for 11.0 s" in text
+        assert "was" in text.splitlines()[-1]
+        assert not any(BACKGROUND.search(row) for row in codes.splitlines()[3:])
+
+
+def test_80_columns_show_all_of_it():
+    _, text = drawn(Ages(0.1, 0.1), held_by="obstacle 'ball'", safety="hold", safety_reason="x" * 20)
+    assert "…" not in text
+    assert "no progress: obstacle 'ball'" in text
+    assert all(len(row) <= 80 for row in text.splitlines())
+
+
+def screen(rows):
+    """What a log file gets when (seconds, report or None) happen."""
+    file = io.StringIO()
+    with StatusView("r at here", Console(file=file, width=80)) as view:
+        for at, arrived in rows:
+            news = [Arrived(arrived, round(at * S))] if arrived is not None else []
+            view.update(news, round(at * S), connected=True)
+    return file.getvalue().splitlines()
+
+
+def test_a_log_says_what_is_waited_for_then_drives_then_ages():
+    rows = [(0.0, None), (0.5, report(0)), (1.0, report(1, **DRIVING))]
+    rows += [(1.0 + 0.1 * k, None) for k in range(1, 150)]
+    lines = screen(rows)
+    assert "waiting for the operator's first report" in lines[0]
+    assert "waiting for the robot's first state" in lines[1]
+    assert lines[2].endswith("run")
+    assert "no report from the operator for 1.1 s" in lines[3]
+    assert "was run" in lines[3]
+    assert "OPERATOR GONE: no report for 3.1 s" in lines[4]
+    assert "OPERATOR GONE: no report for 13" in lines[5]
+    assert not any("run" in text for text in lines[4:])
+    assert len(lines) == 6
+
+
+def test_a_line_of_a_file_does_not_wrap():
+    long = report(0, **DRIVING, stop_reason="word " * 60)
+    assert len(screen([(0.0, long)])) == 1
+
+
+def test_no_value_of_what_is_gone_is_in_a_line():
+    assert line(report(0, **DRIVING), picture(Ages(0.1, 9.0)), 5.0).endswith("is silent")

@@ -1,0 +1,123 @@
+"""What is printed at the end: what was lost, silent, stopped and too near is said, in 80 columns and in files."""
+
+import io
+
+import msgspec
+import pytest
+from rich.console import Console
+
+from farhand.laboratory.simulation import simulate
+from farhand.operator_side.result import OperatorResult
+from farhand.robot_side.result import RobotResult
+from farhand.runs.report import print_outcome
+from farhand.runs.results import RunResults
+from farhand.runs.run import Run, choose_network
+from farhand.runs.scenario import load_scenario
+from farhand.runs.summary import motion_start, summarise
+from farhand.testing import report
+
+POINT = load_scenario("point-obstacle")
+RUN = Run(scenario=POINT, network=choose_network(POINT))
+
+
+def printed(summary, width=80):
+    console = Console(file=io.StringIO(), width=width)
+    print_outcome(summary, None, None, console, as_json=False)
+    text = console.file.getvalue()
+    assert "…" not in text
+    assert all(len(line) <= width for line in text.splitlines())
+    return " ".join(text.split())
+
+
+@pytest.fixture(scope="module")
+def interrupted():
+    """Two seconds without a network in the middle, and loss."""
+    return simulate(POINT, uplink="constant:50 outage:at(4s,2s) loss:3%", downlink="constant:50 outage:at(4s,2s)",
+                    time_limit=12.0, keep_reports=True)  # fmt: skip
+
+
+def test_losses_silences_and_stops_are_in_the_summary(interrupted):
+    summary, text = interrupted.summary, printed(interrupted.summary)
+    up, down = summary.counts.netem.uplink.dropped, summary.counts.netem.downlink.dropped
+    assert up["loss"] > 0
+    assert f"loss {up['loss']}, outage {up['outage']}" in text
+    assert f"(outage {down['outage']})" in text
+    assert 1.9 < summary.counts.operator.longest_silence < 2.2
+    assert 1.9 < summary.counts.robot.longest_silence < 2.4
+    assert "s without a state at the operator" in text
+    assert "s without a command at the robot" in text
+    assert summary.stops == 1
+    (stop,) = [i for i in summary.interruptions if i[1] == "stopped"]
+    assert f"at {stop[0]:.1f} s no good command for" in text
+    assert "acknowledged by the steering device itself" in text
+
+
+def test_the_silence_is_known_to_the_figure(interrupted):
+    ((begin, end),) = [s for s in interrupted.silences if s[1] - s[0] > 1.0]
+    assert 1.8 < end - begin < 2.6
+
+
+def test_nothing_lost_is_said_as_well():
+    text = printed(simulate(POINT, time_limit=1.0).summary)
+    assert "up none of" in text
+    assert "always with a plan" in text
+    assert "stops 0" in text
+
+
+def test_a_collision_names_part_and_obstacle():
+    robot = RobotResult(
+        min_clearance=0.0028,
+        nearest_obstacle="ball",
+        min_arm_clearance=-0.004,
+        nearest_part="forearm_link",
+        nearest_to_arm="wall",
+    )
+    done = OperatorResult(finished=True, solver="newton")
+    text = printed(summarise(RUN, RunResults(robot=robot, operator=done), real_time=False))
+    assert "NOT SAFE" in text
+    assert "safety sphere came to 2.8 mm from obstacle 'ball', limit 10 mm" in text
+    assert "the arm's forearm_link touched obstacle 'wall' (4.0 mm deep)" in text
+
+
+def test_a_real_run_that_comes_too_near_names_the_obstacle():
+    lax = msgspec.structs.replace(
+        POINT, controller=msgspec.structs.replace(POINT.controller, kind="pass-through")
+    )
+    summary = simulate(lax, time_limit=12.0).summary
+    assert not summary.safe
+    assert repr(POINT.obstacles[0].id) in summary.too_near or "obstacle" in summary.too_near
+    assert summary.nearest_obstacle in {o.id for o in POINT.obstacles}
+
+
+def test_a_run_without_any_state_is_not_safe():
+    summary = simulate(POINT, downlink="loss:99.9999%", time_limit=1.0).summary
+    assert (summary.safe, summary.finished, summary.driven) == (False, False, False)
+    text = printed(summary)
+    assert text.startswith("NOTHING WAS DRIVEN")
+    assert " SAFE " not in f" {text}"
+    assert "no state of the robot ever arrived" in text
+
+
+def test_a_run_whose_operator_saw_states_is_known():
+    operator = OperatorResult(finished=False, solver="newton", last_report=report(5, states=9))
+    found = summarise(
+        RUN, RunResults(robot=RobotResult(min_clearance=0.5), operator=operator), real_time=False
+    )
+    assert (found.safe, found.driven) == (True, True)
+
+
+def test_many_stops_are_counted_not_listed():
+    robot = RobotResult(
+        min_clearance=0.5, stops=9, interruptions=[(float(k), "stopped", f"reason {k}") for k in range(9)]
+    )
+    text = printed(summarise(RUN, RunResults(robot=robot), real_time=False))
+    assert "reason 4" in text
+    assert "reason 5" not in text
+    assert "and 4 more" in text
+
+
+def test_the_motion_begins_a_millimetre_from_the_start():
+    assert motion_start([]) == 0.0
+    rows = [(0.0, 0, 0, 0, 1), (0.5, 0, 0.0009, 0, 1), (0.6, 0, 0.002, 0, 1)]
+    assert motion_start(rows) == 0.6
+    assert motion_start(rows[:2]) == 0.0

@@ -1,0 +1,130 @@
+"""`farhand estop`: from anyone who may, by every way, latched; who may not is told before anything is sent."""
+
+from types import SimpleNamespace
+
+import msgspec
+import pytest
+
+from farhand.common.errors import InputError
+from farhand.common.link.ports import free_ports
+from farhand.operator_side.steering.device import SteeringInput
+from farhand.operator_side.supervision import Supervision
+from farhand.site.estop import EstopServer, check_rights, emergency_stop
+from farhand.testing import Programs, Witness, short_task, state
+
+FAR = [(50.0, 0.0, 0.5)]
+DRIVE = SteeringInput((0.1, 0.0, 0.0), engaged=True)
+ACKNOWLEDGE = SteeringInput((0.1, 0.0, 0.0), engaged=True, acknowledge=True)
+
+
+def folder(role, *robots):
+    return SimpleNamespace(own=SimpleNamespace(name=f"{role}.a", role=role, robots=robots))
+
+
+@pytest.mark.parametrize("role", ["operator", "netem", "router"])
+def test_who_may_command_may_stop(role):
+    check_rights(folder(role, *(["ur5"] if role == "operator" else [])), "ur5")
+
+
+@pytest.mark.parametrize(
+    ("own", "said"),
+    [
+        (folder("observer", "ur5"), "has the role observer, which must not command"),
+        (folder("robot", "ur5"), "has the role robot"),
+        (folder("operator", "box"), "is for box"),
+    ],
+)
+def test_who_may_not_is_told(own, said):
+    with pytest.raises(InputError, match=said):
+        check_rights(own, "ur5")
+
+
+def test_it_is_sent_until_the_robot_has_latched_it_then_only_an_acknowledgement_counts():
+    supervision = Supervision(7, "operator")
+    supervision.estop = True
+    assert supervision.step(None, "state", None, 0).mode == "estop"
+    assert supervision.step(state(1), "", DRIVE, 0).mode == "estop"
+    latched = supervision.step(state(2, mode="estop", reason="emergency stop by operator"), "", DRIVE, 0)
+    assert (latched.mode, supervision.estop) == ("hold", False)
+    assert supervision.step(state(3, mode="estop"), "", ACKNOWLEDGE, 0).mode == "acknowledge"
+
+
+class Asked:
+    """A request and its answer."""
+
+    payload = b"{}"
+    answer = None
+
+    def reply(self, answer):
+        self.answer = msgspec.json.decode(answer)
+
+
+class Stopping:
+    stopping = False
+
+    def emergency_stop(self):
+        self.stopping = True
+
+
+class Direct:
+    def do(self, change):
+        return change(0)
+
+
+class Silent:
+    def declare_queryable(self, key, take):
+        return None
+
+
+def test_the_operators_program_answers_once_the_robot_confirms_and_refuses_after_a_while():
+    node, said = Stopping(), []
+    server = EstopServer(node, Direct(), SimpleNamespace(now_ns=lambda: 0), Silent(), "r", said.append)
+    server.close()
+    first, second = Asked(), Asked()
+    server.look(first, 0)
+    assert (node.stopping, first.answer) == (True, None)
+    server.look(second, 10)
+    node.stopping = False
+    server.look(None, 20)
+    assert first.answer == second.answer == {"ok": True}
+    late = Asked()
+    server.look(late, 30)
+    server.look(None, 5_000_000_000)
+    assert late.answer["ok"] is False
+    assert "goes on sending" in late.answer["error"]
+    assert said == ["emergency stop, asked for by `farhand estop`"] * 3
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("way", ["robot", "emulator", "operator"])
+def test_every_way_stops_a_driving_robot_and_it_stays_so(way, tmp_path, capsys):
+    up, down, reports = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
+    task = ("--scenario", short_task(tmp_path, FAR), "--robot", "r")
+    with Programs() as programs:
+        if way == "robot":
+            programs.start("robot", *task, "--listen", up)
+        else:
+            programs.start("netem", "--listen-operator", up, "--listen-robot", down)
+            programs.start("robot", *task, "--connect", down)
+        programs.start("operator", *task, "--connect", up, "--report", reports)
+        witness = Witness(up)
+        try:
+            witness.wait_until(lambda s: s.mode == "run" and s.velocity[0] > 0.1)
+            assert emergency_stop("r", [reports if way == "operator" else up], "") == 0
+            assert "r is stopped" in capsys.readouterr().out
+            stopped = witness.wait_until(lambda s: s.mode == "estop")
+            assert stopped.reason.startswith("emergency stop by ")
+            witness.forget()
+            witness.wait_for(
+                lambda: len(witness.states) > 150
+            )  # three seconds: the tester clears no such stop
+            assert {s.mode for s in witness.states} == {"estop"}
+            assert max(abs(v) for s in witness.states[-5:] for v in s.velocity) < 1e-6
+        finally:
+            witness.close()
+
+
+@pytest.mark.realtime
+def test_nobody_there_is_not_a_stop(capsys):
+    assert emergency_stop("r", [f"tcp/127.0.0.1:{free_ports(1)[0]}"], "") == 1
+    assert "NOT CONFIRMED" in capsys.readouterr().err
