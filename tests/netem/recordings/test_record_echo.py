@@ -80,8 +80,8 @@ def invoke(*words):
 @pytest.fixture
 def slots(tmp_path):
     rng = np.random.default_rng(1)
-    path = tmp_path / "made_20ms.txt"
-    path.write_text("\n".join(f"{value:.3f}" for value in 10 + rng.gamma(3, 1, 2000)))
+    path = tmp_path / "made_20ms_slots.txt"
+    path.write_text("\n".join(f"{value:.3f}" for value in 10 + rng.gamma(3, 1, 2000)) + "\n")
     return path
 
 
