@@ -5,6 +5,7 @@ decimal, lost, sort (yes or no), at_end, share.
 """
 
 import os
+import sys
 from functools import lru_cache
 from typing import Any
 
@@ -66,6 +67,19 @@ def open_trace(path: str, options: Options) -> Trace:
     except (OSError, ValueError):
         stamp = (0, 0)
     return _open_trace(path, options, stamp)
+
+
+def prepare_trace(path: str, options: Options) -> None:
+    """Read the file, and say aloud, once, what of it was assumed or left out; raises TraceError."""
+    notes = tuple(open_trace(path, options).reading.notes)
+    if notes:
+        _say_aloud(path, notes)
+
+
+@lru_cache(maxsize=64)
+def _say_aloud(path: str, notes: tuple[str, ...]) -> None:
+    for note in notes:
+        print(f"note: trace {path}: {note}", file=sys.stderr)
 
 
 @lru_cache(maxsize=8)

@@ -9,6 +9,7 @@ import codecs
 import gzip
 import re
 import tempfile
+import weakref
 import zlib
 from array import array
 from collections.abc import Iterator, Sequence
@@ -132,6 +133,7 @@ class _LinesOnDisk(Sequence[str]):
     def __init__(self, name: str, file: IO[bytes]) -> None:
         self._name = name
         self._file = file
+        weakref.finalize(self, file.close)
         self._starts = array("q", [0])
         self._from, self._block = 0, b""
         self.size = 0
