@@ -64,7 +64,8 @@ def without_gaps(
 def _say_pauses(intervals: Times, paused: NDArray[np.bool_], text: TraceText) -> None:
     if paused.any():
         text.say(
-            f"{int(paused.sum())} pauses of the recording, {float(intervals[paused].sum()):.6g} s in all, are cut out"
+            f"pauses of the recording are cut out: {int(paused.sum())}, "
+            f"{float(intervals[paused].sum()):.6g} s in all"
         )
 
 
