@@ -96,6 +96,26 @@ def test_show_prints_and_draws(slots, tmp_path):
     assert abs(summary["autocorrelation"]["1"]) < 0.1
 
 
+def test_show_and_fit_say_how_they_read_the_file(tmp_path):
+    path = tmp_path / "irregular.csv"
+    instants = [burst * 0.1 + k * 0.005 for burst in range(60) for k in range(5)]
+    path.write_text("time,rtt_ms\n" + "".join(f"{t:.3f},{20 + k % 3}\n" for k, t in enumerate(instants)))
+    for command in ("show", "fit"):
+        output = " ".join(invoke(command, path).output.split())
+        for said in (
+            "format: csv (by its content)",
+            "unit: ms (the column's name)",
+            "kind: round-trip (the column's name)",
+            "times: s (assumed)",
+            "lost: 0 seen, 0 inferred",
+            "no loss is inferred from them",
+        ):
+            assert said in output, said
+    assert "0.00 % single losses" in invoke("fit", path).output
+    reading = json.loads(invoke("show", path, "--json").output)["reading"]
+    assert (reading["lost_seen"], reading["lost_inferred"]) == (0, 0)
+
+
 def test_fit_writes_a_network(slots, tmp_path):
     result = invoke("fit", slots, "--out", tmp_path / "model.toml")
     assert result.exit_code == 0
