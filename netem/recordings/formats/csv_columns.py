@@ -160,4 +160,7 @@ def _delay_column(names: list[str], count: int, options: TraceOptions, text: Tra
         return 0
     if known:
         there = ", ".join(names[index] for index in known)
-    text.fail(f"which column is the delay? Give one of {there}")
+    hint = (
+        "" if names else "; or is it one column with decimal commas? Then say decimal=comma (--decimal comma)"
+    )
+    text.fail(f"which column is the delay? Give one of {there}{hint}")

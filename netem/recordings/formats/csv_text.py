@@ -92,7 +92,7 @@ def _rows(text: TraceText, layout: Layout) -> Rows:
         if any(found[layout.count :]):
             text.fail(
                 f"{len(found)} cells where {layout.count} are expected: {text.excerpt(index + 1)}; decimal commas need "
-                "another mark between the cells (;), or quotation marks",
+                "another mark between the cells (;), or quotation marks, or --decimal comma if there is one column",
                 index + 1,
             )
         lines.append(index + 1)
