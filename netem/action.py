@@ -23,7 +23,7 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
         do: set (the whole SPEC), add (words, in place of those of the same kind), remove (a kind of
             word, or a class), outage (from now on), reset (to the SPECs of the start), common (the
             robot shares the common network again).
-        direction: "uplink", "downlink" or "both".
+        direction: "uplink", "downlink" or "both"; remove takes from both what is there.
         spec: for set and add.
         name: for remove: a kind of word, such as loss, or a class of messages.
         length: of the outage (s).
@@ -76,6 +76,12 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             for direction in directions:
                 direction.outage(now_ns, to_ns(self.length), self.hold, self.robot)
         else:
+            if self.do == "remove" and self.direction == "both":
+                # What is there is taken: a word of one direction needs no naming of it.
+                there = [
+                    each for each in directions if each.spec_for(self.robot).without(self.name) is not None
+                ]
+                directions = there or directions
             specs = [self._changed(each.spec_for(self.robot), each.name) for each in directions]
             for direction, spec in zip(directions, specs, strict=True):
                 direction.set_spec(spec, self.robot)

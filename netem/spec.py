@@ -19,6 +19,7 @@ from farhand.common.errors import InputError
 from farhand.netem.impairments.base import Word
 from farhand.netem.impairments.registry import IMPAIRMENTS, word_called
 from farhand.netem.words.reader import MAX_TEXT, SpecReader
+from farhand.netem.words.tc_words import in_our_words, looks_like_tc
 
 CLASSES = ("command", "state", "scene", "description", "camera", "other")
 
@@ -136,6 +137,10 @@ def _class_words(reader: SpecReader) -> tuple[Word, ...] | None:
 
 
 def _word(name: str, reader: SpecReader, start: int) -> Word:
+    if looks_like_tc(name, reader.rest()):
+        ours = in_our_words(reader.text[start:])
+        told = f"; in a SPEC: {ours}" if ours else ", which a SPEC writes with colons: uniform:80,120 loss:1%"
+        reader.fail(f"these are tc's own words{told}", start)
     if name in IMPAIRMENTS:
         try:
             word = word_called(name)

@@ -75,7 +75,7 @@ def remove(
     robot: OwnOption = "",
     control: ControlOption = DEFAULT_ENDPOINT,
 ) -> None:
-    """Remove an impairment, or what is special to a class of messages."""
+    """Remove an impairment, or what is special to a class of messages, from the directions that have it."""
     _change(control, {"do": "remove", "direction": direction, "name": name}, robot)
 
 

@@ -21,6 +21,7 @@ def print_trace(trace: Trace, name: str, summary: Summary, correlation: Mapping[
     span = "no times" if trace.duration is None else f"{trace.duration:.1f} s"
     loss = 100 * cast(float, summary["loss"])
     console.print(escape(f"{name}: {trace.kind}, {trace.provenance or 'source unknown'}"), highlight=False)
+    print_reading(trace, console)
     console.print(
         f"{summary['samples']} samples, {span}, {summary['lost']} lost ({loss:.2f} %)", highlight=False
     )
@@ -36,15 +37,28 @@ def print_trace(trace: Trace, name: str, summary: Summary, correlation: Mapping[
     console.print(lags)
 
 
-def print_fit(model: DelayModel, recorded: Summary, fitted: Mapping[float, float]) -> None:
-    """Quantiles of a recording and of the model fitted to it, and the model in words."""
+def print_reading(trace: Trace, console: Console | None = None) -> None:
+    """How the file was read, and what was assumed or left out."""
+    console, reading = console or Console(), trace.reading
+    for what, how in reading.how.items():
+        console.print(escape(f"  {what}: {how}"), highlight=False)
+    console.print(f"  lost: {reading.lost_seen} seen, {reading.lost_inferred} inferred", highlight=False)
+    for note in reading.notes:
+        console.print(escape(f"  note: {note}"), highlight=False)
+
+
+def print_fit(model: DelayModel, recorded: Summary, fitted: Mapping[float, float], lost: float) -> None:
+    """Quantiles and loss of a recording and of the model fitted to it, and the model in words."""
     console = Console()
     table = Table(title="recorded and fitted delays, ms", title_justify="left")
     table.add_column("")
     for name in QUANTILES:
         table.add_column(name, justify="right")
-    table.add_row("recorded", *(in_ms(recorded[name]) for name in QUANTILES))
-    table.add_row("fitted", *(in_ms(fitted[percent]) for percent in QUANTILES.values()))
+    table.add_column("lost", justify="right")
+    kept = f"{100 * cast(float, recorded['loss']):.2f} %"
+    table.add_row("recorded", *(in_ms(recorded[name]) for name in QUANTILES), kept)
+    drawn = (in_ms(fitted[percent]) for percent in QUANTILES.values())
+    table.add_row("fitted", *drawn, f"{100 * lost:.2f} %")
     console.print(table)
     for line in _describe(model):
         console.print(line, highlight=False)

@@ -1,5 +1,6 @@
 """`farhand trace`: look at recorded delays, record them, fit a model to them, convert them."""
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -9,7 +10,7 @@ import typer
 from farhand.common.errors import InputError
 
 if TYPE_CHECKING:
-    from farhand.netem.recordings.formats.base import Kind
+    from farhand.netem.recordings.formats.base import Decimal, Kind
     from farhand.netem.recordings.gaps import Gap
     from farhand.netem.recordings.trace import Trace
 
@@ -26,11 +27,32 @@ ColumnOption = Annotated[str, typer.Option("--column", help="The delay's column:
 PeriodOption = Annotated[float, typer.Option("--period", help="Length of a slot, in ms.")]
 KindOption = Annotated[str, typer.Option("--kind", help="one-way or round-trip.")]
 GapOption = Annotated[
-    str, typer.Option("--gap", help="Rows missing in time: loss, delay (held until the next), or ignore.")
+    str,
+    typer.Option(
+        "--gap", help="Rows missing in time: auto (judged), loss, delay (held until the next), or ignore."
+    ),
 ]
+TimeUnitOption = Annotated[str, typer.Option("--time-unit", help="Unit of the times: s, ms, us or ns.")]
+DecimalOption = Annotated[str, typer.Option("--decimal", help="comma or point, where 1,234 can be either.")]
+LostOption = Annotated[
+    str, typer.Option("--lost", help="How the file writes a lost message, such as 0; none: a 0 is a delay.")
+]
+SortOption = Annotated[bool, typer.Option("--sort", help="Put rows in order that are not.")]
 
 
-def _load(file: Path, format: str, unit: str, column: str, period: float, kind: str, gap: str) -> "Trace":
+def _load(
+    file: Path,
+    format: str,
+    unit: str,
+    column: str,
+    period: float,
+    kind: str,
+    gap: str,
+    time_unit: str,
+    decimal: str,
+    lost: str,
+    sort: bool,
+) -> "Trace":
     from farhand.netem.recordings.trace import load_trace
 
     return load_trace(
@@ -41,6 +63,10 @@ def _load(file: Path, format: str, unit: str, column: str, period: float, kind: 
         period=period / 1000 if period else None,
         kind=cast("Kind", kind) if kind else None,
         gap=cast("Gap", gap),
+        time_unit=time_unit or None,
+        decimal=cast("Decimal", decimal) if decimal else None,
+        lost=lost or None,
+        sort=sort,
     )
 
 
@@ -52,7 +78,11 @@ def show(
     column: ColumnOption = "",
     period: PeriodOption = 0.0,
     kind: KindOption = "",
-    gap: GapOption = "loss",
+    gap: GapOption = "auto",
+    time_unit: TimeUnitOption = "",
+    decimal: DecimalOption = "",
+    lost: LostOption = "",
+    sort: SortOption = False,
     figure: Annotated[str, typer.Option("--figure", "--out", help="Write a figure (PNG, SVG or PDF).")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON (s) instead of tables.")] = False,
 ) -> None:
@@ -61,14 +91,15 @@ def show(
     from farhand.netem.recordings.autocorrelation import autocorrelation
     from farhand.netem.recordings.delay_figure import draw_trace
 
-    trace = _load(file, format, unit, column, period, kind, gap)
+    trace = _load(file, format, unit, column, period, kind, gap, time_unit, decimal, lost, sort)
     summary = trace.summary()
     correlation = autocorrelation(trace.recorded)
     if figure:
         draw_trace(trace, figure, file.name)
     if as_json:
         known = {str(lag): value for lag, value in correlation.items() if value == value}
-        typer.echo(json.dumps({**summary, "autocorrelation": known}))
+        reading = dataclasses.asdict(trace.reading)
+        typer.echo(json.dumps({**summary, "autocorrelation": known, "reading": reading}))
         return
     print_trace(trace, file.name, summary, correlation)
     if figure:
@@ -132,28 +163,33 @@ def fit(
     column: ColumnOption = "",
     period: PeriodOption = 0.0,
     kind: KindOption = "",
-    gap: GapOption = "loss",
+    gap: GapOption = "auto",
+    time_unit: TimeUnitOption = "",
+    decimal: DecimalOption = "",
+    lost: LostOption = "",
+    sort: SortOption = False,
     out: Annotated[str, typer.Option(help="Write the model (TOML), for --network model:FILE.")] = "",
     seed: Annotated[int, typer.Option(help="Seed of the draws that are compared.")] = 0,
 ) -> None:
     """Fit a seeded model (jitter, slow or held episodes, outages, loss) and compare it with the recording."""
     if seed < 0:
         raise InputError(f"--seed {seed}: must not be negative")
-    from farhand.commands.trace_tables import print_fit
+    from farhand.commands.trace_tables import print_fit, print_reading
     from farhand.common.seeds import stream
     from farhand.netem.models.fit import fit_model, model_quantiles, save_model
     from farhand.netem.recordings.trace import QUANTILES
 
-    trace = _load(file, format, unit, column, period, kind, gap)
+    trace = _load(file, format, unit, column, period, kind, gap, time_unit, decimal, lost, sort)
+    print_reading(trace)
     model = fit_model(trace)
     step = (trace.duration or 0.0) / len(trace.recorded)
     wanted = trace.summary()
-    fitted = model_quantiles(
+    fitted, fitted_loss = model_quantiles(
         model, tuple(QUANTILES.values()), lambda direction: stream(seed, "trace-fit", direction), step
     )
     if out:
         save_model(model, out, f"fitted to {file.name}: {trace.provenance or 'source unknown'}")
-    print_fit(model, wanted, fitted)
+    print_fit(model, wanted, fitted, fitted_loss)
     if out:
         typer.echo(f"use it as: --network model:{out}")
 
@@ -170,11 +206,17 @@ def convert(
     column: ColumnOption = "",
     period: PeriodOption = 0.0,
     kind: KindOption = "",
-    gap: GapOption = "loss",
+    gap: GapOption = "auto",
+    time_unit: TimeUnitOption = "",
+    decimal: DecimalOption = "",
+    lost: LostOption = "",
+    sort: SortOption = False,
 ) -> None:
     """Write a trace in another format."""
+    from farhand.commands.trace_tables import print_reading
     from farhand.netem.recordings.write import write_trace
 
-    trace = _load(file, format, unit, column, period, kind, gap)
+    trace = _load(file, format, unit, column, period, kind, gap, time_unit, decimal, lost, sort)
+    print_reading(trace)
     write_trace(trace, target, to, unit=to_unit, period=slot / 1000 if slot else None)
     typer.echo(f"{target}: {len(trace.recorded)} samples read, written as {to}")

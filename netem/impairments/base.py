@@ -41,6 +41,7 @@ class Stage(IntEnum):
     DELAY = 6
     REORDER = 7
     SLOT = 8
+    LIMIT = 9
 
 
 class Scope(Enum):

@@ -9,7 +9,13 @@ import numpy as np
 
 from farhand.netem.impairments.base import ImpairmentContext
 from farhand.netem.impairments.delay import DelayWord
-from farhand.netem.impairments.trace_file import Options, open_trace, options_text, parse_options
+from farhand.netem.impairments.trace_file import (
+    Options,
+    open_trace,
+    options_text,
+    parse_options,
+    prepare_trace,
+)
 from farhand.netem.recordings.playback import DelaySampler
 from farhand.netem.words.reader import SpecReader, path_text
 
@@ -40,7 +46,7 @@ class DelayByTrace(DelayWord, frozen=True):
 
     def prepare(self) -> None:
         """Read the file; raises TraceError."""
-        open_trace(self.path, self.options)
+        prepare_trace(self.path, self.options)
 
     def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The replay; all flows of a direction are at the same place of a timed trace."""

@@ -6,7 +6,13 @@ from typing import ClassVar
 from farhand.netem.impairments.base import Impairment, ImpairmentContext, LossModel, Stage, Transit, Word
 from farhand.netem.impairments.loss_markov import MarkovLoss
 from farhand.netem.impairments.loss_random import RandomEvents, RandomLoss
-from farhand.netem.impairments.trace_file import Options, open_trace, options_text, parse_options
+from farhand.netem.impairments.trace_file import (
+    Options,
+    open_trace,
+    options_text,
+    parse_options,
+    prepare_trace,
+)
 from farhand.netem.recordings.playback import DelaySampler
 from farhand.netem.words.reader import SpecReader, path_text, percent_text
 
@@ -172,7 +178,7 @@ class LossTrace(LossWord, frozen=True):
 
     def prepare(self) -> None:
         """Read the file; raises TraceError."""
-        open_trace(self.path, self.options)
+        prepare_trace(self.path, self.options)
 
     def build(self, context: ImpairmentContext) -> Impairment:
         """The losses of the trace."""

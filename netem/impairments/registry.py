@@ -24,6 +24,7 @@ BUILT_IN = {
     "corrupt": f"{_HERE}.corrupt:Corrupt",
     "rate": f"{_HERE}.rate:Rate",
     "slot": f"{_HERE}.slot:Slot",
+    "limit": f"{_HERE}.limit:Limit",
     "reorder": f"{_HERE}.reorder:Reorder",
     "outage": f"{_HERE}.outage:Outage",
     "tcp-like": f"{_HERE}.tcp_like:TcpLike",

@@ -53,7 +53,7 @@ def fit_model(trace: Trace) -> DelayModel:
     falling = [_falls(times[a : b + 1], delays[a : b + 1]) for a, b in runs if b - a >= 2]
     high_kind: EpisodeKind = "hold" if 2 * sum(falling) > len(falling) else "slow"
     by_kind: dict[EpisodeKind, list[tuple[float, float, float]]] = {"slow": [], "hold": [], "loss": []}
-    inside = np.zeros(len(delays), dtype=bool)
+    inside, lost_runs = np.zeros(len(delays), dtype=bool), np.zeros(len(delays), dtype=bool)
     for first, last in runs:
         inside[first : last + 1] = True
         held = float(np.nanmax(delays[first : last + 1]))
@@ -62,7 +62,7 @@ def fit_model(trace: Trace) -> DelayModel:
         by_kind[high_kind].append((float(times[first]), duration, max(extra, 1e-6)))
     for first, last in _runs(~arrived):
         if last - first + 1 >= _LOSS_RUN:
-            inside[first : last + 1] = True
+            inside[first : last + 1] = lost_runs[first : last + 1] = True
             by_kind["loss"].append((float(times[first]), float(times[last] - times[first]) + step, 0.0))
     episodes = tuple(
         found
@@ -72,7 +72,8 @@ def fit_model(trace: Trace) -> DelayModel:
     body = delays[arrived & ~inside]
     if len(body) < MIN_SAMPLES // 2:
         raise TraceError("trace: nearly all of it is episodes; there is no usual delay to fit")
-    single_loss = float((~arrived & ~inside).sum()) / max(1, int((~inside).sum()))
+    # Single losses go on in stalls, here as in the model; only a loss episode has none of its own.
+    single_loss = float((~arrived & ~lost_runs).sum()) / max(1, int((~lost_runs).sum()))
     floor, jitter = _jitter(body, _correlation_time(np.where(inside, np.nan, delays), step))
     return DelayModel(path=trace.kind, floor=floor, jitter=jitter, episodes=episodes, loss=single_loss)
 
@@ -94,8 +95,8 @@ def model_quantiles(
     percents: tuple[float, ...],
     make_rng: Callable[[str], np.random.Generator],
     step: float,
-) -> dict[float, float]:
-    """Quantiles (s) of the model's delays, of the sum of both directions if it describes round trips.
+) -> tuple[dict[float, float], float]:
+    """Quantiles (s) of the model's delays, of the sum of both directions if it describes round trips, and its loss.
 
     Args:
         model: to draw from.
@@ -111,8 +112,9 @@ def model_quantiles(
         total += np.array([math.nan if delay is None else delay for delay in drawn])
     arrived = total[~np.isnan(total)]
     if not len(arrived):
-        return dict.fromkeys(percents, math.nan)
-    return {percent: float(np.percentile(arrived, percent)) for percent in percents}
+        return dict.fromkeys(percents, math.nan), 1.0
+    quantiles = {percent: float(np.percentile(arrived, percent)) for percent in percents}
+    return quantiles, float(np.isnan(total).mean())
 
 
 def _threshold(arrived: NDArray[np.float64]) -> float:

@@ -6,7 +6,7 @@ directions: nobody can tell which way the message was lost.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +15,13 @@ from numpy.typing import NDArray
 from farhand.common.errors import TraceError
 from farhand.common.timing.clock import to_ns
 from farhand.netem.recordings.formats.base import (
+    DECIMALS,
     KINDS,
     MAX_SAMPLES,
     UNITS,
+    Decimal,
     Kind,
+    Reading,
     TraceOptions,
     TraceSamples,
     TraceText,
@@ -44,6 +47,7 @@ class Trace:
             as lost, and takes missing rows for no news: the last sample stays in force.
         at_end: "wrap" (again from the start), "stop" (every later message is lost) or "hold" (last sample).
         uplink_share: part of a round trip that the uplink carries.
+        reading: how the file was read.
     """
 
     recorded: NDArray[np.float64]
@@ -54,6 +58,7 @@ class Trace:
     gap: Gap = "loss"
     at_end: AtEnd = "wrap"
     uplink_share: float = 0.5
+    reading: Reading = field(default_factory=Reading)
 
     @property
     def delays(self) -> NDArray[np.float64]:
@@ -122,7 +127,7 @@ class Trace:
 QUANTILES = {"min": 0, "p5": 5, "p50": 50, "p95": 95, "p99": 99, "p99.9": 99.9, "max": 100}
 
 
-def load_trace(
+def load_trace(  # noqa: PLR0913 (what a user may say of a file, each by its name)
     path: str | Path,
     *,
     format: str | None = None,
@@ -130,7 +135,11 @@ def load_trace(
     column: str | None = None,
     period: float | None = None,
     kind: Kind | None = None,
-    gap: Gap = "loss",
+    gap: Gap = "auto",
+    time_unit: str | None = None,
+    decimal: Decimal | None = None,
+    lost: str | None = None,
+    sort: bool = False,
 ) -> Trace:
     """Read a trace of delays.
 
@@ -141,34 +150,80 @@ def load_trace(
         column: the delay's column by name, or by number from 1.
         period: of evenly spaced samples, and of slots (s).
         kind: "one-way" or "round-trip", where the file and its format do not say it.
-        gap: what a lost message means; see Trace.
+        gap: what a lost message means; see Trace. "auto" is "loss", and judges by the times whether rows are missing
+            (gaps.py); the others say that they are, or that they are not.
+        time_unit: of the times, where the file does not say it or says it wrong.
+        decimal: "comma" or "point", where a number such as 1,234 can be read in two ways.
+        lost: how the file writes a lost message, such as 0 or -1; "none": a delay of 0 is a delay.
+        sort: put rows in order that are not.
 
     Raises:
         TraceError: one line that names the file, the line's number and what is wrong with it.
     """
     name = str(path)
-    for word, value, allowed in (("unit", unit, UNITS), ("kind", kind, KINDS), ("gap", gap, GAPS)):
+    for word, value, allowed in (
+        ("unit", unit, UNITS),
+        ("kind", kind, KINDS),
+        ("gap", gap, GAPS),
+        ("time_unit", time_unit, UNITS),
+        ("decimal", decimal, DECIMALS),
+    ):
         if value is not None and value not in allowed:
             raise TraceError(f"trace {name}: {word} {value!r} is unknown; one of {', '.join(allowed)}")
     if period is not None and not (math.isfinite(period) and period > 0):
         raise TraceError(f"trace {name}: the period is {period} s; it must be positive")
     text = read_text(path)
     chosen = format_called(format, f"trace {name}") if format else format_of(text)
-    samples = chosen.read(text, TraceOptions(unit, column, period, kind))
+    text.how("format", f"{chosen.name} ({'as said' if format else 'by its content'})")
+    samples = chosen.read(text, TraceOptions(unit, column, period, kind, time_unit, decimal, lost, sort))
+    text.reading.how.setdefault("kind", samples.kind)
     recorded = _checked(samples, text)
+    text.reading.lost_inferred = samples.inferred
+    text.reading.lost_seen = int(np.isnan(recorded).sum()) - samples.inferred
     times = None
     if samples.times is not None:
+        recorded = _ordered(samples, recorded, sort, text)
         recorded, times = without_gaps(samples, recorded, gap, text)
     elif gap == "delay" and samples.period is None and np.isnan(recorded).any():
         text.fail("holding lost messages (gap=delay) needs the times or the period of the samples")
-    return Trace(recorded, times, samples.period, samples.kind, samples.provenance, gap)
+    return Trace(
+        recorded,
+        times,
+        samples.period,
+        samples.kind,
+        samples.provenance,
+        "loss" if gap == "auto" else gap,
+        reading=text.reading,
+    )
+
+
+def _ordered(
+    samples: TraceSamples, recorded: NDArray[np.float64], sort: bool, text: TraceText
+) -> NDArray[np.float64]:
+    """The delays in the order of their times, which are put in order; raises TraceError unless `sort` allows it."""
+    times = np.array(samples.times, dtype=np.float64)
+    if not np.isfinite(times).all():
+        text.fail("its format gave a time that is not finite")
+    back = np.nonzero(np.diff(times) < 0)[0]
+    if not len(back):
+        return recorded
+    if not sort:
+        line = samples.lines[int(back[0]) + 1] if samples.lines else None
+        text.fail(
+            f"the time goes backwards (at {len(back)} places in all); if rows are out of order, say sort=yes (--sort)",
+            line,
+        )
+    order = np.argsort(times, kind="stable")
+    samples.times = times[order].tolist()
+    text.say(f"rows were out of order at {len(back)} places: put in the order of their times")
+    return recorded[order]
 
 
 def _checked(samples: TraceSamples, text: TraceText) -> NDArray[np.float64]:
     """The delays that a format gave, as an array; raises TraceError where they are no trace."""
     count = len(samples.delays)
     if not count:
-        text.fail("no samples")
+        text.fail("; ".join(["no samples", *text.reading.notes]))
     if count > MAX_SAMPLES:
         text.fail(f"{count} samples; at most {MAX_SAMPLES} can be read")
     recorded = np.array(samples.delays, dtype=np.float64)

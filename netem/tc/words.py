@@ -23,6 +23,7 @@ from farhand.netem.impairments.delay import MeanSdWord
 from farhand.netem.impairments.delay_by_trace import Empirical
 from farhand.netem.impairments.duplicate import Duplicate
 from farhand.netem.impairments.gaussian import Gaussian
+from farhand.netem.impairments.limit import Limit
 from farhand.netem.impairments.lognormal import LogNormal
 from farhand.netem.impairments.loss import FourState, Gilbert, Random
 from farhand.netem.impairments.modelled import ModelWord, ProfileWord
@@ -72,9 +73,11 @@ def kernel_network(spec: Spec, direction: str) -> KernelNetwork:
     _check_together(spec, arguments)
     if _is_in_order(spec) and "delay" in arguments and "rate" not in arguments:
         arguments += IN_ORDER
-    if not arguments:
+    if not arguments and spec.word("limit") is None:
         return KernelNetwork()
-    return KernelNetwork(("limit", str(LIMIT), *arguments), table if table and table.entries else None)
+    bound = spec.word("limit")
+    limit = bound.count if isinstance(bound, Limit) else LIMIT
+    return KernelNetwork(("limit", str(limit), *arguments), table if table and table.entries else None)
 
 
 def _check_together(spec: Spec, arguments: list[str]) -> None:
@@ -149,6 +152,8 @@ def _event(word: Duplicate | Corrupt, direction: str) -> KernelNetwork:
 def _rate(word: Rate, direction: str) -> KernelNetwork:
     if word.queue != DEFAULT_QUEUE:
         raise _refusal(word.text(), "counts its queue in packets, not in bytes")
+    if word.overhead:
+        raise _refusal(word.text(), "adds its overhead to packets, which have their headers already")
     if word.bits_per_second < 8:
         raise _refusal(word.text(), "counts whole bytes a second")
     return KernelNetwork(("rate", f"{word.bits_per_second}bit"))
@@ -165,6 +170,11 @@ def _reorder(word: Reorder, direction: str) -> KernelNetwork:
 def _slot(word: Slot, direction: str) -> KernelNetwork:
     count = ("packets", str(word.count)) if word.count else ()
     return KernelNetwork(("slot", _time(word.shortest_ns), _time(word.longest_ns), *count))
+
+
+def _limit(word: Limit, direction: str) -> KernelNetwork:
+    """Stands at the head of the arguments (see `kernel_network`)."""
+    return KernelNetwork()
 
 
 _ARGUMENTS: dict[type[Word], Callable[[Any, str], KernelNetwork]] = {
@@ -185,6 +195,7 @@ _ARGUMENTS: dict[type[Word], Callable[[Any, str], KernelNetwork]] = {
     Rate: _rate,
     Reorder: _reorder,
     Slot: _slot,
+    Limit: _limit,
 }
 """By the very type: a word that somebody derived from one of these may do something else, and is refused."""
 

@@ -107,14 +107,20 @@ class SpecReader:
             self.fail(f"{what} is longer than {largest_ns // 1_000_000_000} s", start)
         return found_ns
 
-    def probability(self, what: str) -> float:
-        """Read a probability: a percentage with its sign, or a fraction of 1 without."""
+    def probability(self, what: str, *, one_is_clear: bool = False) -> float:
+        """Read a probability: a percentage with its sign, or a fraction of 1 without.
+
+        A bare 1 is refused unless `one_is_clear`: who writes it may mean 1%, or all.
+        """
         start = self.position
         value = self.number(what)
-        if self.take("%"):
+        is_bare = not self.take("%")
+        if not is_bare:
             value = round(value, 10) / 100
         if value > 1:
             self.fail(f"{what} is above 1 (write 5% or 0.05)", start)
+        if is_bare and value == 1 and not one_is_clear:
+            self.fail(f"{what} is a bare 1: write 1%, or 100% for all", start)
         return round(value, 12)
 
     def correlation(self, what: str = "the correlation") -> float:

@@ -225,7 +225,8 @@ def test_live_control_changes_what_it_is_asked_to():
     assert ask(rig, {"do": "show"})["statistics"]["uplink"]["spec"] == "gaussian:50,20"
     ask(rig, {"do": "add", "spec": "loss:1%"})
     assert specs(rig) == {"uplink": "loss:1% gaussian:50,20", "downlink": "loss:1%"}
-    ask(rig, {"do": "remove", "name": "delay", "direction": "uplink"})
+    ask(rig, {"do": "remove", "name": "delay"})  # from the direction that has one
+    assert specs(rig) == {"uplink": "loss:1%", "downlink": "loss:1%"}
     ask(rig, {"do": "set", "spec": "constant:5", "direction": "downlink"})
     assert specs(rig) == {"uplink": "loss:1%", "downlink": "constant:5"}
     assert ask(rig, {"do": "reset"})["specs"] == {"uplink": "gaussian:50,20", "downlink": "none"}
@@ -258,8 +259,12 @@ def test_a_malformed_request_changes_nothing(request_):
     assert specs(rig) == {"uplink": "duplicate:1% gaussian:50,20", "downlink": "duplicate:1% gaussian:50,20"}
 
 
-def test_an_action_that_one_direction_cannot_do_changes_neither():
+def test_remove_takes_what_is_there_and_refuses_where_nothing_is():
     rig = Rig("loss:1%", "none")
     with pytest.raises(InputError, match="the downlink has no 'loss'"):
-        Action(do="remove", name="loss").perform(rig.node, 0)
+        Action(do="remove", name="loss", direction="downlink").perform(rig.node, 0)
     assert specs(rig)["uplink"] == "loss:1%"
+    Action(do="remove", name="loss").perform(rig.node, 0)
+    assert specs(rig) == {"uplink": "none", "downlink": "none"}
+    with pytest.raises(InputError, match="the uplink has no 'loss'"):
+        Action(do="remove", name="loss").perform(rig.node, 0)

@@ -87,7 +87,11 @@ NOT = [
     ("camera[loss:1%", 15, "expected ']'"),
     ("camera[]", 8, "the class's words"),
     ("trace:x.csv,colour=red", 13, "expected an option"),
-    ("trace:x.csv,at_end=stop,gap=hole", 29, "gap is one of loss, delay, ignore, e.g. trace:delays.csv"),
+    (
+        "trace:x.csv,at_end=stop,gap=hole",
+        29,
+        "gap is one of auto, loss, delay, ignore, e.g. trace:delays.csv",
+    ),
     ("loss:trace(x.csv,at_end=never)", 25, "at_end is one of wrap, stop, hold"),
     ('trace:"x.csv', 7, "not closed"),
     ("", 1, "expected a network"),

@@ -6,6 +6,7 @@
 Lost echoes are not rows: the gaps in `pub_time` tell of them.
 """
 
+from itertools import islice
 from typing import ClassVar
 
 from farhand.netem.recordings.formats.base import (
@@ -41,19 +42,27 @@ class Cicv5g(TraceFormat):
             text.fail(f"no column {column!r}; there are {', '.join(names)}", 1)
         factor = factor_of(options.unit or "ms", text)
         time_at, delay_at = names.index(_TIME), names.index(column)
-        samples = TraceSamples(options.kind or "round-trip", times=[], provenance="CICV5G")
+        samples = TraceSamples(
+            options.kind or "round-trip", times=[], provenance="CICV5G", rows_missing="lost"
+        )
+        text.how("column", repr(column))
+        text.how("unit", f"{options.unit or 'ms'} (the data set's)")
+        text.how("times", "ms since 1970 (the data set's)")
+        text.say("lost echoes have no row in this data set: gaps in its times are losses")
         times: list[float] = []
-        for index, content in enumerate(text.lines[1:], start=2):
+        lines: list[int] = []
+        for index, content in enumerate(islice(text.lines, 1, None), start=2):
             cells = content.split()
             if not cells:
                 continue
+            if text.cut_off_at(index) and len(cells) <= delay_at + 1 < len(names):
+                text.say_cut_off(index)
+                break
             if len(cells) <= max(time_at, delay_at):
                 text.fail(f"{len(cells)} columns where {len(names)} are expected", index)
             delay = number(cells[delay_at], text, index, "a delay") * factor
             samples.delays.append(check_delay(delay, text, index))
-            instant = number(cells[time_at], text, index, "a time in ms") * 1e-3
-            if times and instant < times[-1]:
-                text.fail(f"the time goes backwards: {text.excerpt(index)}", index)
-            times.append(instant)
-        samples.times = times
+            lines.append(index)
+            times.append(number(cells[time_at], text, index, "a time in ms") * 1e-3)
+        samples.times, samples.lines = times, lines
         return samples

@@ -1,6 +1,8 @@
 """JSON of irtt (isochronous round-trip tester): `round_trips`, each with `lost` and `delay` in ns.
 
-`column` chooses `rtt` (default), or the one-way `send` or `receive`, which need synchronised clocks.
+`column` chooses `rtt` (default), or the one-way `send` or `receive`. These compare two clocks, of which the file does
+not say whether they agree: `kind=one-way` says that they do, and delays below zero or above the round trip's prove that
+they do not. `irtt client -o` packs its file (`.json.gz`), which is read as well.
 """
 
 import itertools
@@ -41,8 +43,13 @@ class _RoundTrip(msgspec.Struct):
     timestamps: _Stamps = msgspec.field(default_factory=_Stamps)
 
 
+class _Config(msgspec.Struct):
+    interval: int = 0
+
+
 class _Report(msgspec.Struct):
     round_trips: list[_RoundTrip]
+    config: _Config = msgspec.field(default_factory=_Config)
 
 
 class Irtt(TraceFormat):
@@ -62,26 +69,45 @@ class Irtt(TraceFormat):
             text.fail(f"no column {column!r}; there are {', '.join(_COLUMNS)}")
         if options.unit not in (None, "ns"):
             text.fail(f"unit {options.unit!r}: irtt writes ns")
+        if column != "rtt" and options.kind != "one-way":
+            text.fail(
+                f"column {column}: irtt does not know whether its two clocks agree; if they were synchronised, say "
+                "kind=one-way (--kind one-way), else take the rtt"
+            )
         try:
             report = msgspec.json.decode("\n".join(text.lines), type=_Report)
         except (msgspec.DecodeError, RecursionError, ValueError) as error:
             text.fail(f"not the JSON of irtt: {error}")
-        samples = TraceSamples(
-            options.kind or ("round-trip" if column == "rtt" else "one-way"), provenance="irtt"
-        )
-        times: list[float] = []
+        kind = options.kind or "round-trip"
+        samples = TraceSamples(kind, provenance="irtt", rows_missing="none")
+        text.how("column", column)
+        text.how("unit", "ns (as irtt writes)")
+        text.how("kind", f"{options.kind} (as said)" if options.kind else "round-trip (as irtt measures)")
         for index, trip in enumerate(report.round_trips):
-            lost = trip.lost is True or (isinstance(trip.lost, str) and trip.lost.startswith("true"))
-            delay = None if lost or trip.delay is None else trip.delay.get(column)
-            if delay is None:
-                samples.delays.append(math.nan)
-            elif isinstance(delay, int) and not isinstance(delay, bool) and 0 <= delay < 1 << 62:
-                samples.delays.append(check_delay(delay * UNITS["ns"], text, 1))
-            else:
-                text.fail(f"round_trips[{index}].delay.{column}: expected ns >= 0, got {str(delay)[:40]!r}")
-            times.append(trip.timestamps.client.send.monotonic * UNITS["ns"])
+            samples.delays.append(_delay(trip, column, f"round_trips[{index}].delay", text))
+        times = [trip.timestamps.client.send.monotonic * UNITS["ns"] for trip in report.round_trips]
         if all(b > a for a, b in itertools.pairwise(times)):
             samples.times = times
-        else:
-            samples.period = options.period
+            text.how("times", "ns of the client's clock")
+            return samples
+        samples.period = options.period or report.config.interval * UNITS["ns"] or None
+        text.say("the sending times do not increase, and are not used; the interval is, if the file says it")
         return samples
+
+
+def _delay(trip: _RoundTrip, column: str, where: str, text: TraceText) -> float:
+    """A delay (s); NaN: lost."""
+    lost = trip.lost is True or (isinstance(trip.lost, str) and trip.lost.startswith("true"))
+    delay = None if lost or trip.delay is None else trip.delay.get(column)
+    if delay is None or trip.delay is None:
+        return math.nan
+    if isinstance(delay, bool) or not isinstance(delay, int) or abs(delay) >= 1 << 62:
+        text.fail(f"{where}.{column}: expected ns >= 0, got {str(delay)[:40]!r}")
+    whole = trip.delay.get("rtt")
+    if column != "rtt" and (delay < 0 or (isinstance(whole, int) and delay > whole)):
+        text.fail(
+            f"{where}.{column}: {delay} ns of a round trip of {whole}: the two clocks do not agree; take the rtt"
+        )
+    if delay < 0:
+        text.fail(f"{where}.{column}: expected ns >= 0, got {delay}")
+    return check_delay(delay * UNITS["ns"], text, 1)

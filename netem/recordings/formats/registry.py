@@ -1,7 +1,7 @@
 """The formats of delay traces: those of Farhand, one line each, and those that installed packages bring.
 
-Which format a file has is asked in this order: what is particular (cicv5g, irtt, ping), the formats of packages by
-their names, and last what is general (csv, slots).
+Which format a file has is asked in this order: what is particular (cicv5g, irtt, fping, hping3, ping), the formats of
+packages by their names, and last what is general (csv, slots).
 """
 
 from farhand.common.errors import InputError, TraceError
@@ -16,6 +16,8 @@ FORMATS: Kinds[type[TraceFormat]] = Kinds(
     {
         "cicv5g": f"{_HERE}.cicv5g:Cicv5g",
         "irtt": f"{_HERE}.irtt:Irtt",
+        "fping": f"{_HERE}.fping:Fping",
+        "hping3": f"{_HERE}.hping3:Hping3",
         "ping": f"{_HERE}.ping:Ping",
         "csv": f"{_HERE}.csv_text:CsvText",
         "slots": f"{_HERE}.slots:Slots",

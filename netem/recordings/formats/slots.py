@@ -1,4 +1,4 @@
-"""One delay a line, one line per slot of time: `# period: 10 ms` in the head, or `10ms` in the file's name.
+"""One delay a line, one line per slot of time: `# period: 10 ms` in the head, or `10ms_slots` in the file's name.
 
 Values are one-way milliseconds unless the header or the caller says otherwise; `lost` is a lost slot.
 """
@@ -8,6 +8,7 @@ import re
 from typing import ClassVar
 
 from farhand.netem.recordings.formats.base import (
+    ZERO_ASKED,
     TraceFormat,
     TraceOptions,
     TraceSamples,
@@ -15,13 +16,15 @@ from farhand.netem.recordings.formats.base import (
     check_delay,
     comments,
     factor_of,
+    is_lost,
     kind_in,
     number,
     period_in,
 )
+from farhand.netem.recordings.formats.csv_columns import LOST
 
-_PERIOD_IN_NAME = re.compile(r"(?<![0-9.])(\d{1,6})ms[^/]*\Z")
-_LOST = {"lost", "nan"}
+_PERIOD_IN_NAME = re.compile(r"(?<![0-9.])(\d{1,6})ms[_-]?slots?[^/]*\Z", re.IGNORECASE)
+_LOST = LOST - {"", "inf"}
 
 
 class Slots(TraceFormat):
@@ -36,7 +39,7 @@ class Slots(TraceFormat):
         try:
             float(first)
         except ValueError:
-            return first in _LOST
+            return first.lower() in _LOST
         return True
 
     def read(self, text: TraceText, options: TraceOptions) -> TraceSamples:
@@ -47,14 +50,20 @@ class Slots(TraceFormat):
         period = period_in(header, options, text)
         if period is None and (found := _PERIOD_IN_NAME.search(text.name)) is not None:
             period = int(found.group(1)) * 1e-3
+            text.say(f"slots of {found.group(1)} ms, as the file's name says: else period=MS (--period)")
         if not period:
             text.fail(
                 "how long is a slot? Give the period, or a header line such as '# period: 10 ms' "
                 "(a packet-delivery trace of mahimahi describes a rate, not delays)"
             )
-        factor = factor_of(options.unit or header.get("unit") or "ms", text)
+        unit = options.unit or header.get("unit")
+        text.how("unit", f"{unit} (as said)" if unit else "ms (assumed)")
+        if not unit:
+            text.say("the file does not say the unit of its delays; ms is assumed: else unit=us (--unit us)")
+        factor = factor_of(unit or "ms", text)
+        text.how("slot", f"{period * 1e3:g} ms")
         samples = TraceSamples(
-            kind_in(header, options, text) or "one-way",
+            kind_in(header, options, text),
             period=period,
             provenance=header.get("provenance", ""),
         )
@@ -62,8 +71,13 @@ class Slots(TraceFormat):
             word = content.strip()
             if not word or word.startswith("#"):
                 continue
-            if word.lower() in _LOST:
+            if text.cut_off_at(line):
+                text.say_cut_off(line)
+            elif word.lower() in _LOST or is_lost(word, options.lost):
                 samples.delays.append(math.nan)
             else:
-                samples.delays.append(check_delay(number(word, text, line, "one delay") * factor, text, line))
+                delay = check_delay(number(word, text, line, "one delay") * factor, text, line)
+                if delay == 0 and options.lost is None:
+                    text.fail(ZERO_ASKED, line)
+                samples.delays.append(delay)
         return samples

@@ -105,13 +105,14 @@ def test_a_constant_delay_has_no_jitter():
 def quantiles(trace, model):
     """Fitted and recorded (s) by percent."""
     step, recorded = trace.duration / len(trace.recorded), trace.summary()
-    fitted = model_quantiles(model, (50, 95, 99), lambda direction: stream(0, direction), step)
+    fitted, loss = model_quantiles(model, (50, 95, 99), lambda direction: stream(0, direction), step)
+    assert loss == pytest.approx(recorded["loss"], rel=0.1)
     return {percent: (delay, recorded[f"p{percent}"]) for percent, delay in fitted.items()}
 
 
 @pytest.mark.parametrize("path", SAMPLES, ids=lambda path: path.stem)
 def test_samples_are_met_and_what_they_were_made_of_is_found(path):
-    trace = load_trace(path, gap="ignore")
+    trace = load_trace(path)
     model = fit_model(trace)
     found = quantiles(trace, model)
     assert set(found) == {50, 95, 99}
@@ -135,7 +136,7 @@ def test_samples_are_met_and_what_they_were_made_of_is_found(path):
     ],
 )
 def test_recordings_are_met_and_the_profiles_are_their_fits(file, profile):
-    trace = load_trace(measured(file), gap="ignore")
+    trace = load_trace(measured(file))
     model = fit_model(trace)
     for percent, (fitted, recorded) in quantiles(trace, model).items():
         assert fitted == pytest.approx(recorded, rel=0.08), percent
@@ -144,4 +145,7 @@ def test_recordings_are_met_and_the_profiles_are_their_fits(file, profile):
     assert built_in.jitter.shape == pytest.approx(model.jitter.shape, rel=0.01)
     assert built_in.jitter.scale == pytest.approx(model.jitter.scale, rel=0.01)
     assert [e.kind for e in built_in.episodes] == [e.kind for e in model.episodes]
-    assert built_in.episodes[0].interval == pytest.approx(model.episodes[0].interval, rel=0.01)
+    assert built_in.loss == pytest.approx(model.loss, rel=0.01)
+    for ours, theirs in zip(built_in.episodes, model.episodes, strict=True):
+        assert ours.interval == pytest.approx(theirs.interval, rel=0.01)
+        assert ours.longest == pytest.approx(theirs.longest, rel=0.01)

@@ -80,8 +80,8 @@ def invoke(*words):
 @pytest.fixture
 def slots(tmp_path):
     rng = np.random.default_rng(1)
-    path = tmp_path / "made_20ms.txt"
-    path.write_text("\n".join(f"{value:.3f}" for value in 10 + rng.gamma(3, 1, 2000)))
+    path = tmp_path / "made_20ms_slots.txt"
+    path.write_text("\n".join(f"{value:.3f}" for value in 10 + rng.gamma(3, 1, 2000)) + "\n")
     return path
 
 
@@ -94,6 +94,26 @@ def test_show_prints_and_draws(slots, tmp_path):
     summary = json.loads(invoke("show", slots, "--json").output)
     assert summary["p50"] == pytest.approx(0.0127, abs=0.0003)
     assert abs(summary["autocorrelation"]["1"]) < 0.1
+
+
+def test_show_and_fit_say_how_they_read_the_file(tmp_path):
+    path = tmp_path / "irregular.csv"
+    instants = [burst * 0.1 + k * 0.005 for burst in range(60) for k in range(5)]
+    path.write_text("time,rtt_ms\n" + "".join(f"{t:.3f},{20 + k % 3}\n" for k, t in enumerate(instants)))
+    for command in ("show", "fit"):
+        output = " ".join(invoke(command, path).output.split())
+        for said in (
+            "format: csv (by its content)",
+            "unit: ms (the column's name)",
+            "kind: round-trip (the column's name)",
+            "times: s (assumed)",
+            "lost: 0 seen, 0 inferred",
+            "no loss is inferred from them",
+        ):
+            assert said in output, said
+    assert "0.00 % single losses" in invoke("fit", path).output
+    reading = json.loads(invoke("show", path, "--json").output)["reading"]
+    assert (reading["lost_seen"], reading["lost_inferred"]) == (0, 0)
 
 
 def test_fit_writes_a_network(slots, tmp_path):

@@ -65,7 +65,7 @@ def file(tmp_path):
 
 def test_it_is_asked_before_the_general_ones_and_after_the_particular_ones(brought, file):
     brought(GROUP, "semicolons", f"{__name__}:Semicolons")
-    assert FORMATS.names() == ("cicv5g", "irtt", "ping", "csv", "slots", "semicolons")
+    assert FORMATS.names() == ("cicv5g", "irtt", "fping", "hping3", "ping", "csv", "slots", "semicolons")
     assert load_trace(file).recorded.tolist() == [0.02, 0.03]
     assert load_trace(file, format="semicolons").provenance == "theirs"
     with pytest.raises(TraceError, match="which column is the delay"):
