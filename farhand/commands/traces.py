@@ -95,6 +95,7 @@ def record_command(
     `farhand trace record --connect tcp/FIRST:7450 --rate 50 --size 300 --seconds 20 --out path.csv`.
     """
     from farhand.commands.trace_tables import in_ms
+    from farhand.common.process.outputs import check_writable
     from farhand.common.process.signals import stop_event_on_signals
     from farhand.common.timing.clock import SystemClock
     from farhand.netem.recordings.record import RecordSettings, Reflector, record
@@ -112,6 +113,7 @@ def record_command(
             reflector.close()
         typer.echo(f"reflected {reflector.reflected} messages")
         return
+    check_writable(out, "--out")
     settings = RecordSettings(
         tuple(connect), tuple(listen or ()), rate_hz=rate, size=size, duration=seconds or 20.0, wait=wait
     )

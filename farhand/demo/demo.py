@@ -1,6 +1,8 @@
 """The demo: operator, netem and robot as three processes, joined by nothing but Zenoh on loopback."""
 
+import os
 import sys
+import tempfile
 import threading
 from pathlib import Path
 
@@ -20,33 +22,41 @@ from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder, write_scenario
 
 INTERRUPTED = "interrupted"
+MEMORY = "/dev/shm"
 NAMES = ("netem", "robot", "operator")
 
 
-def run_demo(run: Run, *, out: Path | None, as_json: bool) -> int:
+def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False) -> int:
     """Run the demo; returns its exit code: 0 safe and finished, 1 otherwise.
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
     check_scenario(run.scenario)
     run.check()
-    folder = make_run_folder(out, run.scenario.name)
+    folder = make_run_folder(out, run.scenario.name, force=force)
     stop_event = stop_event_on_signals()
     console = Console(file=sys.stderr if as_json else sys.stdout)
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
-    why = _run_programs(run, folder, stop_event, StatusView(title, console))
-    code = conclude(run, folder, console, why=why, as_json=as_json)
+    with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
+        left = Path(left_in)
+        why = _run_programs(run, folder, left, stop_event, StatusView(title, console))
+        code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left)
     return 1 if why == INTERRUPTED else code
 
 
-def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: StatusView) -> str:
+def _memory() -> str | None:
+    """A folder in memory for the results until they are read, so that a full disk costs none; None: there is none."""
+    return MEMORY if os.access(MEMORY, os.W_OK) else None
+
+
+def _run_programs(run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView) -> str:
     """Start the three, show their progress, end them; returns what went wrong, or nothing."""
     clock = SystemClock()
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
     children = Children(folder, clock)
     reader: ReportReader | None = None
     try:
-        for words in _words(run, folder, operator_side, robot_side, report):
+        for words in _words(run, folder, left, operator_side, robot_side, report):
             children.start(words.COMMAND, words.words())
         reader = ReportReader(report, run.scenario.robot.kind, clock)
         start_ns = clock.now_ns()
@@ -65,7 +75,9 @@ def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: Sta
     return _what_died(ended, children)
 
 
-def _words(run: Run, folder: Path, operator_side: str, robot_side: str, report: str) -> list[Words]:
+def _words(
+    run: Run, folder: Path, left: Path, operator_side: str, robot_side: str, report: str
+) -> list[Words]:
     """The command lines of the three programs, in the order of their start."""
     scenario, robot = str(write_scenario(run, folder)), run.scenario.robot.kind
     return [
@@ -76,9 +88,9 @@ def _words(run: Run, folder: Path, operator_side: str, robot_side: str, report: 
             downlink=run.network.downlink.text,
             seed=run.seed,
             timeline=run.timeline,
-            stats=str(folder / NETEM),
+            stats=str(left / NETEM),
         ),
-        RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(folder / ROBOT)),
+        RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(left / ROBOT)),
         OperatorWords(
             name=OPERATOR_NAME,
             scenario=scenario,
@@ -88,7 +100,7 @@ def _words(run: Run, folder: Path, operator_side: str, robot_side: str, report: 
             seed=run.seed,
             time_limit=run.time_limit,
             record=str(folder / RECORDING),
-            result=str(folder / OPERATOR),
+            result=str(left / OPERATOR),
         ),
     ]
 

@@ -57,6 +57,7 @@ class SimulationResult:
     digest: SHA-256 over every message that left or reached the operator, in order.
     network: the emulator's statistics.
     reports: of every tick, where asked for.
+    recording_trouble: what the recording lacks, in words; empty: nothing.
     """
 
     summary: RunSummary
@@ -64,6 +65,7 @@ class SimulationResult:
     digest: str
     network: NetemResult
     reports: list[ControlReport] = field(default_factory=list)
+    recording_trouble: str = ""
 
 
 class Options(TypedDict, total=False):
@@ -119,7 +121,10 @@ def simulate(
 def simulate_run(run: Run, **options: "Unpack[Options]") -> SimulationResult:
     """Do a run in virtual time; for the options, see Options."""
     with ExitStack() as closing:
-        return _World(run, options, closing).run()
+        world = _World(run, options, closing)
+        result = world.run()
+    result.recording_trouble = world.recording_trouble()
+    return result
 
 
 class _World:
@@ -163,6 +168,13 @@ class _World:
         return SimulationResult(
             summary, self._robot.trajectory, self._hasher.hexdigest(), results.netem, self._reports
         )
+
+    def recording_trouble(self) -> str:
+        """What the recording lacks, once it is closed."""
+        recorder = self._operator.recorder
+        if not isinstance(recorder, RunRecorder):
+            return ""
+        return recorder.troubles().get("recording", recorder.trouble)
 
     def _make_robot(self, link: MemoryLink, robot: Robot | None, closing: ExitStack) -> RobotNode:
         scenario = self._run.scenario

@@ -10,6 +10,7 @@ from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import check_robot_name, description_key, scene_key, state_key
 from farhand.common.messages.report import ControlReport
+from farhand.common.process.outputs import survive
 from farhand.common.process.security import Access, guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
@@ -154,7 +155,8 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             "operator", f"--record {options.record}: {recorder.missing} ticks are missing: {recorder.trouble}"
         )
     if options.result is not None:
-        write_result(_result(node, outcome, course, controller), options.result)
+        path, result = options.result, _result(node, outcome, course, controller)
+        survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("operator", line))
     say("operator", "finished" if outcome.finished else "ended before the last target")
     return 0 if outcome.finished else 1
 

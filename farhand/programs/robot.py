@@ -6,6 +6,7 @@ from pathlib import Path
 
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.keys import check_robot_name, command_key
+from farhand.common.process.outputs import survive
 from farhand.common.process.security import Access, guard, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.systemd import tell_systemd
@@ -60,5 +61,6 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         node = RobotNode(scenario, robot, tell_systemd(link, stop_event), name, random_session())
         result = run_robot(node, clock, stop_event, realtime=options.realtime, say=teller.say)
     if options.result is not None:
-        write_result(result, options.result)
+        path = options.result
+        survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("robot", line))
     return 0
