@@ -79,7 +79,9 @@ def run_check(settings: CheckSettings) -> dict[str, Any]:
         try:
             statistics = json.loads(stats.read_text(encoding="utf-8"))
         except (OSError, ValueError):
-            raise CheckError(f"the proxy could not write what it did to {folder}; is that disk full?") from None
+            raise CheckError(
+                f"the proxy could not write what it did to {folder}; is that disk full?"
+            ) from None
         rows = read_log(log)
     result: dict[str, Any] = {
         "rate_hz": settings.rate_hz,
