@@ -9,11 +9,13 @@ from pathlib import Path
 from rich.console import Console
 
 from farhand.common.link.ports import free_ports
-from farhand.common.process.signals import stop_event_on_signals
+from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
+from farhand.operator_side.control.registry import make_controller
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
+from farhand.programs.compiling import prepare_aloud
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.robot_side.robots.registry import check_scenario
 from farhand.runs.conclude import conclude
@@ -36,6 +38,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False) 
     folder = make_run_folder(out, run.scenario.name, force=force)
     stop_event = stop_event_on_signals()
     console = Console(file=sys.stderr if as_json else sys.stdout)
+    prepare_aloud(make_controller(run.scenario.controller), lambda line: say("demo", line))
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
     with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
         left = Path(left_in)

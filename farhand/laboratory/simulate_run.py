@@ -9,7 +9,9 @@ from rich.console import Console
 from farhand.common.process.outputs import survive
 from farhand.common.process.signals import say
 from farhand.laboratory.simulation import simulate_run
+from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.result import sample_of
+from farhand.programs.compiling import prepare_aloud
 from farhand.runs.figure import draw_run
 from farhand.runs.files import FIGURE, RECORDING, SCENARIO, SUMMARY
 from farhand.runs.report import print_outcome
@@ -29,6 +31,7 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = F
     def keep(name: str, write: Callable[[], Path]) -> Path | None:
         return survive(str(folder / name), write, tell)
 
+    prepare_aloud(make_controller(run.scenario.controller), tell)
     keep(SCENARIO, lambda: write_scenario(run, folder))
     result = simulate_run(run, keep_reports=True, record_to=folder / RECORDING)
     if result.recording_trouble:

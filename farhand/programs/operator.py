@@ -26,6 +26,7 @@ from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import OperatorOutcome, ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
+from farhand.programs.compiling import prepare_aloud
 from farhand.programs.series import Series
 from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, versions
@@ -116,7 +117,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             open_session(listen=[local_only(options.report, "--report")]) if options.report else None
         )
         controller = make_controller(scenario.controller)
-        controller.prepare()  # compiled before anything is connected, so that nothing compiles in a run
+        prepare_aloud(controller, teller.say)  # compiled before anything is connected
         if controller.solver_notice:
             teller.say(controller.solver_notice)
         extra = folder.settings("operator") if folder else ()
@@ -126,6 +127,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         link = ZenohLink(session, keys, clock, heard.set)
         closing.callback(link.close)
         guard(session, folder, robot, "operator", teller.say)
+        teller.say(f"{called}: drives robot {robot!r} at {access.where}; Ctrl-C ends it")
         identity = OperatorIdentity(robot, random_session(), called)
         node = make_operator(scenario, link, identity, controller, processor_seconds)
         course = Course(node, scenario, teller.say)

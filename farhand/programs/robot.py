@@ -58,8 +58,12 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)
         robot = make_robot(scenario)
         closing.callback(robot.close)
+        teller.say(f"{name!r}, a {scenario.robot.kind}, at {access.where}; Ctrl-C ends it")
         node = RobotNode(scenario, robot, tell_systemd(link, stop_event), name, random_session())
         result = run_robot(node, clock, stop_event, realtime=options.realtime, say=teller.say)
+    nearest = "" if result.min_clearance is None else f", {result.min_clearance * 1e3:.1f} mm at the nearest"
+    refused = sum(result.refused.values())
+    say("robot", f"ended in {result.mode}{nearest}, {refused} commands refused")
     if options.result is not None:
         path = options.result
         survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("robot", line))
