@@ -24,7 +24,7 @@ from farhand.commands.options import (
 )
 
 OutOption = Annotated[
-    Path | None, typer.Option("--out", help="Folder for the results [default: runs/<time>-<scenario>].")
+    Path | None, typer.Option("--out", help="Folder for the results (default: runs/<time>-<scenario>).")
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace the run that is in --out already.")]
 

@@ -19,7 +19,7 @@ trace_app = typer.Typer(
 
 FileArgument = Annotated[Path, typer.Argument(help="The trace.", metavar="FILE")]
 FormatOption = Annotated[
-    str, typer.Option("--format", help="Name of the format, such as ping [default: by the content].")
+    str, typer.Option("--format", help="Name of the format, such as ping (default: by the content).")
 ]
 UnitOption = Annotated[str, typer.Option("--unit", help="Unit of the delays: s, ms, us or ns.")]
 ColumnOption = Annotated[str, typer.Option("--column", help="The delay's column: its name, or 1, 2, ...")]
