@@ -46,7 +46,7 @@ if needs_build "$python"; then
 fi
 
 if [ -x .venv/bin/python ]; then
-    if ! suits .venv/bin/python || { [ -n "${PYTHON:-}" ] && [ "$(version .venv/bin/python)" != "$(version "$python")" ]; }; then
+    if ! suits .venv/bin/python || ! .venv/bin/python -m pip --version >/dev/null 2>&1 || { [ -n "${PYTHON:-}" ] && [ "$(version .venv/bin/python)" != "$(version "$python")" ]; }; then
         rm -rf .venv
     fi
 fi
