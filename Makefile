@@ -3,35 +3,42 @@
 # make check  style, types, and the one way of imports
 # make bench  speed, as ratios from one run
 # make golden renew, on purpose, what the golden runs give, and say what changed
+# make newer  prove one Python newer than 3.11, where pybullet's wheel for it is kept
 # make faults what breaks on a real network, on three hosts in namespaces (root)
-.PHONY: demo test check bench golden .venv clean faults
+.PHONY: demo test check bench golden newer .venv clean faults
 
 demo: .venv
 	@.venv/bin/farhand demo $(ARGS)
 
-test: .venv
+test: .venv/.ready-tests
 	@sh scripts/run-tests.sh $(ARGS)
 
-check: .venv
+check: .venv/.ready-tests
 	@.venv/bin/ruff check .
 	@.venv/bin/ruff format --check .
 	@.venv/bin/mypy
 	@.venv/bin/lint-imports
 	@.venv/bin/python scripts/import_circles.py
 
-bench: .venv
+bench: .venv/.ready-tests
 	@.venv/bin/python -m benchmarks $(ARGS)
 
-golden: .venv
+golden: .venv/.ready-tests
 	@.venv/bin/python -m tests.farhand.laboratory.golden
 
 faults: .venv
 	@.venv/bin/python -m farhand.trials.faults.runner $(ARGS)
 
+newer:
+	@sh scripts/try-newer-python.sh
+
 .venv: .venv/.ready
 
 .venv/.ready: requirements.lock pyproject.toml
 	@sh scripts/make-environment.sh
+
+.venv/.ready-tests: requirements.lock pyproject.toml
+	@sh scripts/make-environment.sh tests
 
 clean:
 	rm -rf .venv runs .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info build

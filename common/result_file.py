@@ -31,17 +31,28 @@ class _Header(msgspec.Struct):
 
 def write_result(result: msgspec.Struct, path: Path) -> None:
     """Write a result: whole or not at all, where that can be; a pipe or a device gets it as it is."""
-    text = msgspec.json.format(msgspec.json.encode(result), indent=-1) + b"\n"
+    write_whole(path, msgspec.json.format(msgspec.json.encode(result), indent=-1) + b"\n")
+
+
+def write_whole(path: Path, content: bytes | str) -> None:
+    """Write a file: whole or not at all, where that can be; a pipe or a device gets it as it is.
+
+    Raises OSError where it cannot be; what was there before is there still, and nothing else.
+    """
+    data = content.encode() if isinstance(content, str) else content
     path = path.resolve()
     if path.exists() and not path.is_file():
-        path.write_bytes(text)
+        path.write_bytes(data)
         return
-    part = path.with_name(f".{path.name}.part")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        part.write_bytes(text)
-        os.replace(part, path)
+        try:
+            part.write_bytes(data)
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
     except PermissionError:  # the file is to be had, its folder is not
-        path.write_bytes(text)
+        path.write_bytes(data)
 
 
 def read_result(path: Path, kind: type[Kind]) -> Kind | None:

@@ -5,14 +5,11 @@ from pathlib import Path
 
 import tomllib
 
-LABORATORY = {"pyarrow"}
-"""Packages that only the analysis of experiments needs, which is not what containers are for."""
-
 
 def requirements(pyproject: str) -> list[str]:
-    """The dependencies of a pyproject.toml's text, less those of the laboratory."""
+    """The dependencies of a pyproject.toml's text; what only tests and analyses need is among its extras."""
     wanted: list[str] = tomllib.loads(pyproject)["project"]["dependencies"]
-    return [each for each in wanted if each.split(">")[0].split("=")[0].strip() not in LABORATORY]
+    return wanted
 
 
 if __name__ == "__main__":

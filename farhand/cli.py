@@ -1,5 +1,7 @@
 """The command line: what is mounted where, and how errors end: one line and exit code 2 for bad input."""
 
+import errno
+import os
 import sys
 
 import typer
@@ -11,7 +13,12 @@ from farhand.commands.programs import register as register_programs
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
 from farhand.common.errors import FarhandError, InputError
-from farhand.common.process.signals import die_with_parent
+from farhand.common.process.signals import die_with_parent, interrupt_on_signals, say
+from farhand.common.process.terminal import spare_the_terminal
+
+INTERRUPTED, BROKEN_PIPE = 130, 141
+DISK_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.EACCES, errno.EPERM, errno.ENOENT}
+"""What is wrong with files and disks, not with Farhand: said in one line."""
 
 app = typer.Typer(
     name="farhand",
@@ -33,6 +40,29 @@ app.add_typer(trace_app, name="trace")
 app.add_typer(certs_app, name="certs")
 
 
+def run_program() -> int:
+    """Run the command line as a process of its own: with its signals and its terminal; returns the exit code.
+
+    Whatever the terminal cannot show, and a pipe that nobody reads any more, does not end in a traceback.
+    """
+    spare_the_terminal()
+    try:
+        interrupt_on_signals()
+        code = run()
+        sys.stdout.flush()
+        return code
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the flush at the end fails again
+        return BROKEN_PIPE
+    except OSError as error:
+        if error.errno not in DISK_ERRORS:
+            raise
+        say("farhand", f"{error.filename or 'output'}: {error.strerror}")
+        return 1
+
+
 def run(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     die_with_parent()
@@ -41,7 +71,7 @@ def run(arguments: list[str] | None = None) -> int:
     except typer.Exit as end:
         return int(end.exit_code)
     except typer.Abort:
-        return 130
+        return INTERRUPTED
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":
             error.show()  # type: ignore[attr-defined]
@@ -53,7 +83,7 @@ def run(arguments: list[str] | None = None) -> int:
         print(f"farhand: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        return 130
+        return INTERRUPTED
     return result if isinstance(result, int) else 0
 
 

@@ -14,10 +14,11 @@ from rich.console import Console
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.link.presence import answerer
 from farhand.common.messages.keys import about_key, alive_key
-from farhand.common.process.outputs import check_writable
+from farhand.common.process.outputs import check_writable, survive
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.process.teller import Teller
-from farhand.common.result_file import write_result
+from farhand.common.process.terminal import spare_the_terminal
+from farhand.common.result_file import write_result, write_whole
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
 from farhand.common.timing.slot import Slot
@@ -75,9 +76,10 @@ def run_netem(
         say("netem", f"--log {settings.log}: {program.log.missing} rows are missing: {program.log.trouble}")
     statistics = program.statistics()
     if settings.stats:
-        write_result(statistics, Path(settings.stats))
+        path = Path(settings.stats)
+        survive(f"--stats {path}", lambda: write_result(statistics, path), lambda line: say("netem", line))
     if console is not None:
-        print_statistics(statistics, console)
+        survive("the table", lambda: print_statistics(statistics, console), lambda line: say("netem", line))
     program.node.check_conservation()
     if statistics.overflowed:
         raise ConservationError(
@@ -195,11 +197,18 @@ def _check(settings: NetemSettings) -> None:
     if settings.control:
         control_endpoint(settings.control)
     check_writable(settings.stats, "--stats")
+    check_writable(settings.log, "--log")
+    check_writable(settings.ready_file, "--ready-file")
 
 
 def _tell_ready(settings: NetemSettings) -> None:
     if settings.ready_file:
-        Path(settings.ready_file).write_text(f"{os.getpid()}\n", encoding="utf-8")
+        path = Path(settings.ready_file)
+        survive(
+            f"--ready-file {path}",
+            lambda: write_whole(path, f"{os.getpid()}\n"),
+            lambda line: say("netem", line),
+        )
     if settings.ready_fd is not None:
         os.write(settings.ready_fd, b"ready\n")
         os.close(settings.ready_fd)
@@ -207,6 +216,7 @@ def _tell_ready(settings: NetemSettings) -> None:
 
 def main() -> int:
     """`python -m farhand.netem.main SETTINGS` with settings as JSON: the emulator as a process of its own."""
+    spare_the_terminal()
     try:
         settings = msgspec.json.decode(sys.argv[1].encode(), type=NetemSettings)
         run_netem(settings, stop_event_on_signals())

@@ -1,32 +1,73 @@
 #!/bin/sh
-# Makes .venv with the pinned dependencies. PYTHON names another interpreter.
+# Makes .venv with the pinned dependencies. PYTHON names another interpreter; `make-environment.sh tests` adds what
+# tests, checks, Dask and Parquet need.
+#
+# pybullet has wheels for Python 3.10 and 3.11 only. For a newer one it is built from its source, once; the wheel is
+# kept in $XDG_CACHE_HOME/farhand/wheels (~/.cache/farhand/wheels).
 set -eu
 cd "$(dirname "$0")/.."
+kept="${XDG_CACHE_HOME:-$HOME/.cache}/farhand/wheels"
 
 fail() { echo "farhand: $1" >&2; exit 2; }
 
-suits() { "$1" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 11))' >/dev/null 2>&1; }
+suits() { "$1" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 14))' >/dev/null 2>&1; }
+
+version() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])'; }
 
 advice="install one (Debian: apt install python3.11 python3.11-venv; elsewhere: uv python install 3.11, or pyenv install 3.11) and say make PYTHON=python3.11"
 python=""
 if [ -n "${PYTHON:-}" ]; then
-    suits "$PYTHON" || fail "$PYTHON is not Python 3.10 or 3.11 (pybullet has wheels for these only); $advice"
+    suits "$PYTHON" || fail "$PYTHON is not Python 3.10 to 3.14; $advice"
     python=$PYTHON
 else
-    for candidate in python3.11 python3.10 python3 python; do
+    for candidate in python3.11 python3.10 python3 python python3.13 python3.12 python3.14; do
         if suits "$candidate"; then python=$candidate; break; fi
     done
-    [ -n "$python" ] || fail "no Python 3.10 or 3.11 found (pybullet has wheels for these only); $advice"
+    [ -n "$python" ] || fail "no Python 3.10 to 3.14 found; $advice"
 fi
 
 "$python" -c 'import venv, ensurepip' >/dev/null 2>&1 \
-    || fail "$python has no venv module; on Debian: apt install $("$python" -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])')"
+    || fail "$python has no venv module; on Debian: apt install python$(version "$python")-venv"
 
-if [ -x .venv/bin/python ] && ! suits .venv/bin/python; then rm -rf .venv; fi
+# Before anything is installed, what may be wanting to build pybullet.
+needs_build() {
+    case $(version "$1") in 3.10 | 3.11) return 1 ;; esac
+    tag=cp$(version "$1" | tr -d .)
+    ! ls "$kept"/pybullet-*-"$tag"-*.whl >/dev/null 2>&1
+}
+
+if needs_build "$python"; then
+    echo "farhand: pybullet has no wheel for Python $(version "$python"): it is built from its source, once, in 5 to 10 minutes,"
+    echo "farhand: and kept in $kept; with Python 3.11 (make PYTHON=python3.11) nothing has to be built"
+    command -v c++ >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 \
+        || fail "building pybullet needs a C++ compiler; on Debian and Ubuntu: apt install g++ python3-dev"
+    "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' \
+        || fail "building pybullet needs the headers of Python $(version "$python"); on Debian and Ubuntu: apt install g++ python3-dev"
+fi
+
+if [ -x .venv/bin/python ]; then
+    if ! suits .venv/bin/python || ! .venv/bin/python -m pip --version >/dev/null 2>&1 || { [ -n "${PYTHON:-}" ] && [ "$(version .venv/bin/python)" != "$(version "$python")" ]; }; then
+        rm -rf .venv
+    fi
+fi
 [ -x .venv/bin/python ] || { rm -rf .venv; "$python" -m venv .venv; }
-echo "farhand: installing the pinned dependencies into .venv (one to three minutes the first time)"
-.venv/bin/python -m pip install -qq --disable-pip-version-check -r requirements.lock
-.venv/bin/python -m pip install -qq --disable-pip-version-check --no-deps -e .
+
+pip() { .venv/bin/python -m pip "$@" -qq --disable-pip-version-check; }
+
+if needs_build .venv/bin/python; then
+    mkdir -p "$kept"
+    pinned=$(sed -n 's/^\(pybullet==[0-9.]*\).*/\1/p' requirements.lock)
+    pip wheel --no-deps --wheel-dir "$kept" "$pinned" || fail "pybullet could not be built; $advice"
+fi
+
+extras=""
+[ "${1:-}" != tests ] || extras="[dev,dask,parquet]"
+what="1.1 GB"
+[ -z "$extras" ] || what="1.5 GB, with what tests and checks need"
+echo "farhand: installing the pinned dependencies into .venv ($what; one to three minutes the first time)"
+pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
+.venv/bin/python scripts/slim_environment.py .venv
 .venv/bin/python -m farhand.operator_side.control.warm | sed "s/^/farhand: /"
 touch .venv/.ready
+[ -z "$extras" ] || touch .venv/.ready-tests
 echo "farhand: ready, .venv/bin/farhand"

@@ -37,7 +37,11 @@ _HOW = {
     )
     for name, row in CLASSES.items()
 }
-_ENDPOINT = re.compile(r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:]+\]|[A-Za-z0-9_.-]+):(\d{1,5})\Z")
+_ENDPOINT = re.compile(
+    r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:.]+(?:%[A-Za-z0-9_.-]+)?\]|[A-Za-z0-9_.-]+):(\d{1,5})"
+    r"(?:#iface=[A-Za-z0-9_.-]+)?\Z"
+)
+"""A link-local address names its device in one of two ways: tcp/[fe80::1%eth0]:7447, or #iface=eth0 at the end."""
 _LOOPBACK = {"127.0.0.1", "localhost", "[::1]"}
 
 
@@ -47,7 +51,8 @@ def check_endpoint(endpoint: str) -> str:
     if not match or not 0 < int(match[3]) < 65536:
         raise EndpointError(
             f"endpoint {endpoint!r}: expected PROTOCOL/HOST:PORT such as tcp/127.0.0.1:7447 "
-            "(tcp, tls, quic, udp or ws; port 1 to 65535)"
+            "(tcp, tls, quic, udp or ws; port 1 to 65535; IPv6 in brackets, a link-local one with its device: "
+            "tcp/[fe80::1%eth0]:7447)"
         )
     return endpoint
 

@@ -16,8 +16,25 @@ GRACE = 1.5
 
 
 def say(program: str, line: str) -> None:
-    """One line for people, on stderr."""
-    print(f"{program}: {line}", file=sys.stderr, flush=True)
+    """One line for people, on stderr; where nobody can read it any more, it is lost."""
+    try:
+        print(f"{program}: {line}", file=sys.stderr, flush=True)
+    except (OSError, ValueError):
+        pass
+
+
+def interrupt_on_signals() -> None:
+    """Have SIGTERM and SIGHUP end what runs as Ctrl-C does, by KeyboardInterrupt, until a program says otherwise.
+
+    SIGHUP is left alone where it is ignored, as by nohup.
+    """
+
+    def interrupt(_signal: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, interrupt)
 
 
 def stop_event_on_signals() -> threading.Event:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from farhand.laboratory.campaigns.pools import Pool
 
 WorkersOption = Annotated[
-    int, typer.Option(min=0, max=1024, help="Processes [default: one for each processor].")
+    int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
 ]
 SchedulerOption = Annotated[
     str,
@@ -23,7 +23,7 @@ SchedulerOption = Annotated[
 OutOption = Annotated[
     Path | None,
     typer.Option(
-        "--out", help="Folder for the results; a campaign in it goes on [default: runs/<time>-...]."
+        "--out", help="Folder for the results; a campaign in it goes on (default: runs/<time>-...)."
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as the last line, as JSON.")]

@@ -29,14 +29,14 @@ def netem(
         str,
         typer.Option(
             help="Endpoint that the operator's side connects to "
-            "[default: port 7447 of this host; none with --connect-operator]."
+            "(default: port 7447 of this host; none with --connect-operator)."
         ),
     ] = "",
     listen_robot: Annotated[
         str,
         typer.Option(
             help="Endpoint that the robot's side connects to "
-            "[default: port 7448 of this host; none with --connect-robot]."
+            "(default: port 7448 of this host; none with --connect-robot)."
         ),
     ] = "",
     connect_operator: Annotated[
@@ -63,7 +63,7 @@ def netem(
         str, typer.Option(help="Who emulates: message (this program) or tc (the kernel, on packets).")
     ] = "message",
     tc_operator: Annotated[
-        str, typer.Option(help="Network device of the operator's side [default: the endpoint's].")
+        str, typer.Option(help="Network device of the operator's side (default: the endpoint's).")
     ] = "",
     tc_robot: Annotated[str, typer.Option(help="Network device of the robot's side.")] = "",
     tls: TlsOption = "",

@@ -24,26 +24,26 @@ NetworkOption = Annotated[
     str | None,
     typer.Option(
         help="SPEC of both directions, e.g. constant:200 (ms), or a name from `farhand networks` "
-        f"[default: scenario's, else {DEFAULT_NETWORK}]."
+        f"(default: scenario's, else {DEFAULT_NETWORK})."
     ),
 ]
 UplinkOption = Annotated[str | None, typer.Option(help="SPEC from operator to robot, where it differs.")]
 DownlinkOption = Annotated[str | None, typer.Option(help="SPEC from robot to operator, where it differs.")]
 MarginOption = Annotated[
-    str | None, typer.Option(help=f"Safety margin: {', '.join(MARGINS.names())} [default: scenario's].")
+    str | None, typer.Option(metavar="|".join(MARGINS.names()), help="Safety margin (default: scenario's).")
 ]
 PredictorOption = Annotated[
     str | None,
     typer.Option(
-        help=f"State predictor: {', '.join(PREDICTORS.names())} "
-        "[default: the one that the margin is made for]."
+        metavar="|".join(PREDICTORS.names()),
+        help="State predictor (default: the one that the margin is made for).",
     ),
 ]
 SolverOption = Annotated[
-    str | None, typer.Option(help=f"Solver: {', '.join(SOLVERS.names())} [default: scenario's].")
+    str | None, typer.Option(metavar="|".join(SOLVERS.names()), help="Solver (default: scenario's).")
 ]
 SteerOption = Annotated[
-    str | None, typer.Option(help=f"What steers: {', '.join(DEVICES.names())} [default: scenario's].")
+    str | None, typer.Option(metavar="|".join(DEVICES.names()), help="What steers (default: scenario's).")
 ]
 SetOption = Annotated[
     list[str] | None,

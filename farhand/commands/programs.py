@@ -60,7 +60,7 @@ def operator(
     name: Annotated[
         str,
         typer.Option(
-            help="What others call this operator [default: the certificate's name, else USER@HOST]."
+            help="What others call this operator (default: the certificate's name, else USER@HOST)."
         ),
     ] = "",
 ) -> None:
@@ -130,7 +130,7 @@ def robot(
 
 def handover(
     to: Annotated[
-        str, typer.Option(help="Name of who shall get control [default: the only one who waits].")
+        str, typer.Option(help="Name of who shall get control (default: the only one who waits).")
     ] = "",
     connect: Annotated[
         str, typer.Option(help="The --report endpoint of this host's operator, which holds control.")

@@ -24,8 +24,9 @@ from farhand.commands.options import (
 )
 
 OutOption = Annotated[
-    Path | None, typer.Option("--out", help="Folder for the results [default: runs/<time>-<scenario>].")
+    Path | None, typer.Option("--out", help="Folder for the results (default: runs/<time>-<scenario>).")
 ]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace the run that is in --out already.")]
 
 
 def demo(
@@ -42,6 +43,7 @@ def demo(
     time_limit: TimeLimitOption = 90.0,
     timeline: TimelineOption = None,
     out: OutOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Drive a robot past an obstacle over an emulated network: three programs, one live status, one summary.
@@ -61,7 +63,7 @@ def demo(
         time_limit=time_limit,
         timeline=timeline,
     )
-    raise typer.Exit(run_demo(run, out=out, as_json=as_json))
+    raise typer.Exit(run_demo(run, out=out, force=force, as_json=as_json))
 
 
 def simulate(
@@ -81,6 +83,7 @@ def simulate(
     ] = 20.0,
     timeline: TimelineOption = None,
     out: OutOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run one task in virtual time: the same nodes, summary and figure as the demo, in a fraction of the time."""
@@ -98,7 +101,7 @@ def simulate(
         computing_time=(computing_time / 1000.0,),
         timeline=timeline,
     )
-    raise typer.Exit(run_simulation(run, out=out, as_json=as_json))
+    raise typer.Exit(run_simulation(run, out=out, force=force, as_json=as_json))
 
 
 def summarise(

@@ -20,7 +20,7 @@ trace_app = typer.Typer(
 
 FileArgument = Annotated[Path, typer.Argument(help="The trace.", metavar="FILE")]
 FormatOption = Annotated[
-    str, typer.Option("--format", help="Name of the format, such as ping [default: by the content].")
+    str, typer.Option("--format", help="Name of the format, such as ping (default: by the content).")
 ]
 UnitOption = Annotated[str, typer.Option("--unit", help="Unit of the delays: s, ms, us or ns.")]
 ColumnOption = Annotated[str, typer.Option("--column", help="The delay's column: its name, or 1, 2, ...")]
@@ -126,6 +126,7 @@ def record_command(
     `farhand trace record --connect tcp/FIRST:7450 --rate 50 --size 300 --seconds 20 --out path.csv`.
     """
     from farhand.commands.trace_tables import in_ms
+    from farhand.common.process.outputs import check_writable
     from farhand.common.process.signals import stop_event_on_signals
     from farhand.common.timing.clock import SystemClock
     from farhand.netem.recordings.record import RecordSettings, Reflector, record
@@ -143,6 +144,7 @@ def record_command(
             reflector.close()
         typer.echo(f"reflected {reflector.reflected} messages")
         return
+    check_writable(out, "--out")
     settings = RecordSettings(
         tuple(connect), tuple(listen or ()), rate_hz=rate, size=size, duration=seconds or 20.0, wait=wait
     )

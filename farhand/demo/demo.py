@@ -1,14 +1,18 @@
 """The demo: operator, netem and robot as three processes, joined by nothing but Zenoh on loopback."""
 
+import os
+import tempfile
 import threading
 from pathlib import Path
 
 from farhand.common.link.ports import free_ports
-from farhand.common.process.signals import stop_event_on_signals
+from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
+from farhand.operator_side.control.registry import make_controller
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
+from farhand.programs.compiling import prepare_aloud
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.robot_side.robots.registry import check_scenario
 from farhand.runs.conclude import conclude
@@ -18,33 +22,42 @@ from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder, write_scenario
 
 INTERRUPTED = "interrupted"
+MEMORY = "/dev/shm"
 NAMES = ("netem", "robot", "operator")
 
 
-def run_demo(run: Run, *, out: Path | None, as_json: bool) -> int:
+def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False) -> int:
     """Run the demo; returns its exit code: 0 safe and finished, 1 otherwise.
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
     check_scenario(run.scenario)
     run.check()
-    folder = make_run_folder(out, run.scenario.name)
+    folder = make_run_folder(out, run.scenario.name, force=force)
     stop_event = stop_event_on_signals()
     console = page(stderr=as_json)
+    prepare_aloud(make_controller(run.scenario.controller), lambda line: say("demo", line))
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
-    why = _run_programs(run, folder, stop_event, StatusView(title, console))
-    code = conclude(run, folder, console, why=why, as_json=as_json)
+    with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
+        left = Path(left_in)
+        why = _run_programs(run, folder, left, stop_event, StatusView(title, console))
+        code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left)
     return 1 if why == INTERRUPTED else code
 
 
-def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: StatusView) -> str:
+def _memory() -> str | None:
+    """A folder in memory for the results until they are read, so that a full disk costs none; None: there is none."""
+    return MEMORY if os.access(MEMORY, os.W_OK) else None
+
+
+def _run_programs(run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView) -> str:
     """Start the three, show their progress, end them; returns what went wrong, or nothing."""
     clock = SystemClock()
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
     children = Children(folder, clock)
     reader: ReportReader | None = None
     try:
-        for words in _words(run, folder, operator_side, robot_side, report):
+        for words in _words(run, folder, left, operator_side, robot_side, report):
             children.start(words.COMMAND, words.words())
         name = run.scenario.robot.kind
         view.note(
@@ -66,7 +79,9 @@ def _run_programs(run: Run, folder: Path, stop_event: threading.Event, view: Sta
     return _what_died(ended, children)
 
 
-def _words(run: Run, folder: Path, operator_side: str, robot_side: str, report: str) -> list[Words]:
+def _words(
+    run: Run, folder: Path, left: Path, operator_side: str, robot_side: str, report: str
+) -> list[Words]:
     """The command lines of the three programs, in the order of their start."""
     scenario, robot = str(write_scenario(run, folder)), run.scenario.robot.kind
     return [
@@ -77,9 +92,9 @@ def _words(run: Run, folder: Path, operator_side: str, robot_side: str, report: 
             downlink=run.network.downlink.text,
             seed=run.seed,
             timeline=run.timeline,
-            stats=str(folder / NETEM),
+            stats=str(left / NETEM),
         ),
-        RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(folder / ROBOT)),
+        RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(left / ROBOT)),
         OperatorWords(
             name=OPERATOR_NAME,
             scenario=scenario,
@@ -89,7 +104,7 @@ def _words(run: Run, folder: Path, operator_side: str, robot_side: str, report: 
             seed=run.seed,
             time_limit=run.time_limit,
             record=str(folder / RECORDING),
-            result=str(folder / OPERATOR),
+            result=str(left / OPERATOR),
         ),
     ]
 

@@ -7,12 +7,15 @@ from rich.console import Console
 from rich.table import Table
 
 from farhand.common.errors import InputError
+from farhand.common.process.outputs import check_writable
+from farhand.common.result_file import write_whole
 from farhand.laboratory.replay import Replay, differing_fields, replay, side_by_side, to_csv, to_json
 
 
 def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_json: bool) -> int:
     """Replay and say what came out; returns 1 when decisions differ though nothing was changed, else 0."""
     console = Console(file=sys.stderr if as_json else sys.stdout, highlight=False)
+    check_writable(out, "--out")
     result = replay(path, settings)
     for line in result.run.flaws():
         console.print(line, style="yellow")
@@ -27,7 +30,7 @@ def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_jso
         _verify(result, console)
     if out is not None:
         try:
-            out.write_text(to_csv(result), encoding="utf-8")
+            write_whole(out, to_csv(result))
         except OSError as error:
             raise InputError(f"--out {out}: cannot be written: {error.strerror}") from None
     if as_json:

@@ -1,28 +1,46 @@
 """`farhand simulate`: the demo's task, summary and figure in virtual time."""
 
+from collections.abc import Callable
 from pathlib import Path
 
+from farhand.common.process.outputs import survive
+from farhand.common.process.signals import say
 from farhand.laboratory.simulation import simulate_run
+from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.result import sample_of
+from farhand.programs.compiling import prepare_aloud
 from farhand.runs.console import page
 from farhand.runs.figure import draw_run
-from farhand.runs.files import RECORDING
+from farhand.runs.files import FIGURE, RECORDING, SCENARIO, SUMMARY
 from farhand.runs.report import print_outcome
 from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder, write_scenario
 from farhand.runs.summary import write_summary
 
 
-def run_simulation(run: Run, *, out: Path | None, as_json: bool) -> int:
+def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = False) -> int:
     """Do a run in virtual time; returns 0 if it was safe and finished, else 1."""
     run.check()
-    folder = make_run_folder(out, run.scenario.name)
-    write_scenario(run, folder)
+    folder = make_run_folder(out, run.scenario.name, force=force)
+
+    def tell(line: str) -> None:
+        say("simulate", line)
+
+    def keep(name: str, write: Callable[[], Path]) -> Path | None:
+        return survive(str(folder / name), write, tell)
+
+    prepare_aloud(make_controller(run.scenario.controller), tell)
+    keep(SCENARIO, lambda: write_scenario(run, folder))
     result = simulate_run(run, keep_reports=True, record_to=folder / RECORDING)
-    write_summary(result.summary, folder)
+    if result.recording_trouble:
+        tell(f"{folder / RECORDING}: {result.recording_trouble}")
+    written = keep(SUMMARY, lambda: write_summary(result.summary, folder))
     began_ns = next((report.t_sent_ns for report in result.reports if report.mode == "run"), 0)
     series = [sample_of(report, began_ns) for report in result.reports]
-    figure = draw_run(run.scenario, result.summary, result.trajectory, series, folder, result.silences)
+    figure = keep(
+        FIGURE,
+        lambda: draw_run(run.scenario, result.summary, result.trajectory, series, folder, result.silences),
+    )
     console = page(stderr=as_json)
-    print_outcome(result.summary, folder, figure, console, as_json=as_json)
+    print_outcome(result.summary, folder if written else None, figure, console, as_json=as_json)
     return result.summary.exit_code

@@ -59,6 +59,7 @@ class SimulationResult:
     network: the emulator's statistics.
     reports: of every tick, where asked for.
     silences: (from, to) of times without an answer of the robot, s since the first motion command.
+    recording_trouble: what the recording lacks, in words; empty: nothing.
     """
 
     summary: RunSummary
@@ -67,6 +68,7 @@ class SimulationResult:
     network: NetemResult
     reports: list[ControlReport] = field(default_factory=list)
     silences: list[Span] = field(default_factory=list)
+    recording_trouble: str = ""
 
 
 class Options(TypedDict, total=False):
@@ -122,7 +124,10 @@ def simulate(
 def simulate_run(run: Run, **options: "Unpack[Options]") -> SimulationResult:
     """Do a run in virtual time; for the options, see Options."""
     with ExitStack() as closing:
-        return _World(run, options, closing).run()
+        world = _World(run, options, closing)
+        result = world.run()
+    result.recording_trouble = world.recording_trouble()
+    return result
 
 
 class _World:
@@ -173,6 +178,13 @@ class _World:
             self._reports,
             results.operator.silences if results.operator is not None else [],
         )
+
+    def recording_trouble(self) -> str:
+        """What the recording lacks, once it is closed."""
+        recorder = self._operator.recorder
+        if not isinstance(recorder, RunRecorder):
+            return ""
+        return recorder.troubles().get("recording", recorder.trouble)
 
     def _make_robot(self, link: MemoryLink, robot: Robot | None, closing: ExitStack) -> RobotNode:
         scenario = self._run.scenario

@@ -45,10 +45,26 @@ def netem_program(
 
         stop_event = stop_event_on_signals()
         with kernel_emulation(settings, tc_operator, tc_robot) as forwarding:
-            run_netem(forwarding, stop_event, Console())
+            run_netem(forwarding, stop_event, Console(), lambda: _say_where(settings))
         return
     if backend not in BACKENDS:
         raise InputError(f"--backend {backend!r}: must be {' or '.join(BACKENDS)}")
     if tc_operator or tc_robot:
         raise InputError("--tc-operator and --tc-robot: only with --backend tc")
-    run_netem(settings, stop_event_on_signals(), Console())
+    run_netem(settings, stop_event_on_signals(), Console(), lambda: _say_where(settings))
+
+
+def _say_where(settings: NetemSettings) -> None:
+    """What is emulated between which endpoints."""
+    ways = (settings.uplink, settings.downlink)
+    network = ways[0] if ways[0] == ways[1] else f"{ways[0]} up, {ways[1]} down"
+    sides = [
+        ", ".join(
+            [*([f"listens on {listen}"] if listen else []), *(f"connects to {each}" for each in connect)]
+        )
+        for listen, connect in (
+            (settings.listen_operator, settings.connect_operator),
+            (settings.listen_robot, settings.connect_robot),
+        )
+    ]
+    say("netem", f"{network}; operator's side {sides[0]}; robot's side {sides[1]}; Ctrl-C ends it")

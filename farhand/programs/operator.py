@@ -13,6 +13,7 @@ from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import check_robot_name, description_key, scene_key, state_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
+from farhand.common.process.outputs import survive
 from farhand.common.process.security import Access, guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
@@ -28,6 +29,7 @@ from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import OperatorOutcome, ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
+from farhand.programs.compiling import prepare_aloud
 from farhand.programs.series import Series
 from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, versions
@@ -129,7 +131,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             open_session(listen=[local_only(options.report, "--report")]) if options.report else None
         )
         controller = make_controller(scenario.controller)
-        controller.prepare()  # compiled before anything is connected, so that nothing compiles in a run
+        prepare_aloud(controller, teller.say)  # compiled before anything is connected
         if controller.solver_notice:
             teller.say(controller.solver_notice)
         extra = folder.settings("operator") if folder else ()
@@ -139,6 +141,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         link = ZenohLink(session, keys, clock, heard.set)
         closing.callback(link.close)
         guard(session, folder, robot, "operator", teller.say)
+        teller.say(f"{called}: drives robot {robot!r} at {access.where}; Ctrl-C ends it")
         identity = OperatorIdentity(robot, random_session(), called)
         node = make_operator(scenario, link, identity, controller, processor_seconds)
         if node.device.acknowledges_itself:
@@ -176,7 +179,8 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             "operator", f"--record {options.record}: {recorder.missing} ticks are missing: {recorder.trouble}"
         )
     if options.result is not None:
-        write_result(_result(node, outcome, course, controller), options.result)
+        path, result = options.result, _result(node, outcome, course, controller)
+        survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("operator", line))
     say("operator", "finished" if outcome.finished else "ended before the last target")
     return 0 if outcome.finished else 1
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.keys import check_robot_name, command_key
+from farhand.common.process.outputs import survive
 from farhand.common.process.security import Access, guard, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.systemd import tell_systemd
@@ -57,8 +58,13 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)
         robot = make_robot(scenario)
         closing.callback(robot.close)
+        teller.say(f"{name!r}, a {scenario.robot.kind}, at {access.where}; Ctrl-C ends it")
         node = RobotNode(scenario, robot, tell_systemd(link, stop_event), name, random_session())
         result = run_robot(node, clock, stop_event, realtime=options.realtime, say=teller.say)
+    nearest = "" if result.min_clearance is None else f", {result.min_clearance * 1e3:.1f} mm at the nearest"
+    refused = sum(result.refused.values())
+    say("robot", f"ended in {result.mode}{nearest}, {refused} commands refused")
     if options.result is not None:
-        write_result(result, options.result)
+        path = options.result
+        survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("robot", line))
     return 0

@@ -1,18 +1,25 @@
 """`farhand summarise`: the summary and the figure of a run whose programs left their results in a folder."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 from rich.console import Console
 
 from farhand.common.errors import InputError
+from farhand.common.process.outputs import survive
+from farhand.common.process.signals import say
+from farhand.common.result_file import write_whole
 from farhand.runs.console import page
 from farhand.runs.figure import draw_run
-from farhand.runs.files import OPERATOR, ROBOT
+from farhand.runs.files import FIGURE, OPERATOR, RESULTS, ROBOT, SUMMARY
 from farhand.runs.report import print_outcome
 from farhand.runs.results import read_results
 from farhand.runs.run import Run
 from farhand.runs.run_folder import summarise_results, write_scenario
 from farhand.runs.summary import write_summary
+
+T = TypeVar("T")
 
 
 def run_summarise(run: Run, folder: Path, *, why: str, as_json: bool) -> int:
@@ -26,23 +33,47 @@ def run_summarise(run: Run, folder: Path, *, why: str, as_json: bool) -> int:
         )
     console = page(stderr=as_json)
     code = conclude(run, folder, console, why=why, as_json=as_json)
-    write_scenario(run, folder)
+    survive(str(folder), lambda: write_scenario(run, folder), lambda line: say("summarise", line))
     return code
 
 
-def conclude(run: Run, folder: Path, console: Console, *, why: str, as_json: bool) -> int:
-    """Make summary and figure of what the programs left in the folder, and print how it went.
+def conclude(
+    run: Run, folder: Path, console: Console, *, why: str, as_json: bool, left_in: Path | None = None
+) -> int:
+    """Make summary and figure of what the programs left behind, and print how it went.
+
+    Args:
+        run: what was done.
+        folder: where summary and figure go.
+        console: where the outcome goes.
+        why: what went wrong, where the results cannot say it.
+        as_json: print the summary as the last line.
+        left_in: where the programs left their results; None: in `folder`. Elsewhere, they are copied there.
 
     Returns 0 if the run was safe and finished, else 1. Raises ResultError where a result cannot be read.
     """
-    results = read_results(folder)
+
+    def keep(name: str, write: Callable[[], T]) -> T | None:
+        return survive(
+            str(folder / name), write, lambda line: console.print(line, style="yellow", markup=False)
+        )
+
+    results = read_results(left_in or folder)
+    if left_in is not None:
+        for left in (left_in / name for name in RESULTS):
+            if left.is_file():
+                keep(left.name, lambda left=left: write_whole(folder / left.name, left.read_bytes()))  # type: ignore[misc]
     summary = summarise_results(run, results, why)
-    write_summary(summary, folder)
+    written = keep(SUMMARY, lambda: write_summary(summary, folder))
     trajectory = results.robot.trajectory if results.robot is not None else []
     series = results.operator.series if results.operator is not None else []
     silences = results.operator.silences if results.operator is not None else []
-    figure = draw_run(run.scenario, summary, trajectory, series, folder, silences) if trajectory else None
+    figure = (
+        keep(FIGURE, lambda: draw_run(run.scenario, summary, trajectory, series, folder, silences))
+        if trajectory
+        else None
+    )
     if results.operator is not None and results.operator.notice:
         console.print(results.operator.notice, style="yellow", markup=False)
-    print_outcome(summary, folder, figure, console, as_json=as_json)
+    print_outcome(summary, folder if written else None, figure, console, as_json=as_json)
     return summary.exit_code

@@ -1,5 +1,6 @@
 """The figure of a run: the path among the obstacles; clearance and round trip over time."""
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from farhand.common.geometry import Array
+from farhand.common.result_file import write_whole
 from farhand.operator_side.result import Sample, Span
 from farhand.runs.scenario import Scenario
 from farhand.runs.summary import RunSummary, motion_start
@@ -69,10 +71,17 @@ def draw_run(
         above.tick_params(labelbottom=False)
         figure.suptitle(_title(summary), fontsize=8, x=0.01, ha="left")
         png = folder / "run.png"
-        figure.savefig(png, dpi=200)
-        figure.savefig(folder / "run.pdf")
+        save(figure, png, dpi=200)
+        save(figure, folder / "run.pdf")
         plt.close(figure)
     return png
+
+
+def save(figure: Any, path: Path, **how: Any) -> None:
+    """Write a figure, whole or not at all; raises OSError."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=path.suffix[1:], **how)
+    write_whole(path, drawn.getvalue())
 
 
 def _title(summary: RunSummary) -> str:

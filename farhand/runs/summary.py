@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from farhand.common.messages.base import SafetyMode
+from farhand.common.result_file import write_whole
 from farhand.operator_side.result import OperatorResult
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.robot_side.result import RobotResult
@@ -174,7 +175,7 @@ def to_json(summary: RunSummary) -> str:
 def write_summary(summary: RunSummary, folder: Path) -> Path:
     """Write `summary.json` into a run's folder."""
     path = folder / SUMMARY
-    path.write_text(json.dumps(msgspec.to_builtins(summary), indent=1) + "\n", encoding="utf-8")
+    write_whole(path, json.dumps(msgspec.to_builtins(summary), indent=1) + "\n")
     return path
 
 

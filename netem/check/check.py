@@ -76,7 +76,12 @@ def run_check(settings: CheckSettings) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="farhand-netem-") as folder:
         log, stats = Path(folder) / "log.csv", Path(folder) / "stats.json"
         sent, arrived = _run(settings, log, stats)
-        statistics = json.loads(stats.read_text(encoding="utf-8"))
+        try:
+            statistics = json.loads(stats.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            raise CheckError(
+                f"the proxy could not write what it did to {folder}; is that disk full?"
+            ) from None
         rows = read_log(log)
     result: dict[str, Any] = {
         "rate_hz": settings.rate_hz,
@@ -117,12 +122,15 @@ class _End:
         rest = bytes(max(0, settings.size - 8))
         for number in range(round(settings.rate_hz * settings.seconds)):
             clock.sleep_until(start_ns + to_ns(number / settings.rate_hz))
-            self.session.put(
-                self._send_key,
-                number.to_bytes(8, "little") + rest,
-                express=True,
-                congestion_control=zenoh.CongestionControl.BLOCK,
-            )
+            try:
+                self.session.put(
+                    self._send_key,
+                    number.to_bytes(8, "little") + rest,
+                    express=True,
+                    congestion_control=zenoh.CongestionControl.BLOCK,
+                )
+            except zenoh.ZError:  # the check was ended
+                return
             self.sent += 1
 
 

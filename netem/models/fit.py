@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import gammainccinv, gammaincinv
 
 from farhand.common.errors import TraceError
+from farhand.common.result_file import write_whole
 from farhand.common.timing.clock import to_ns
 from farhand.netem.models.model import DelayModel, EpisodeKind, Episodes, Jitter, log_uniform_mean
 from farhand.netem.models.sampler import ModelSampler
@@ -85,7 +86,7 @@ def save_model(model: DelayModel, path: str | Path, description: str) -> None:
         "model": _without_none(msgspec.to_builtins(model)),
     }
     try:
-        Path(path).write_text(tomli_w.dumps(content), encoding="utf-8")
+        write_whole(Path(path), tomli_w.dumps(content))
     except OSError as error:
         raise TraceError(f"model {path}: cannot be written: {error.strerror}") from None
 

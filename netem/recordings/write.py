@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from farhand.common.errors import TraceError
+from farhand.common.result_file import write_whole
 from farhand.netem.recordings.formats.base import MAX_SAMPLES, UNITS
 from farhand.netem.recordings.formats.csv_text import MARK
 from farhand.netem.recordings.trace import Trace
@@ -40,7 +41,7 @@ def write_trace(
         lines.append(f"# provenance: {' '.join(trace.provenance.split())}")
     lines += _slots(trace, unit, period) if format == "slots" else _csv(trace, unit)
     try:
-        Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        write_whole(Path(path), "\n".join(lines) + "\n")
     except OSError as error:
         raise TraceError(f"trace {path}: cannot be written: {error.strerror}") from None
 

@@ -11,7 +11,7 @@ from farhand.common.geometry import Array
 from farhand.laboratory.campaigns.jobs import Row
 from farhand.laboratory.campaigns.table1 import DELAYS, Table1
 from farhand.laboratory.simulation import simulate_run
-from farhand.runs.figure import BLUE, GREEN, GREY, ORANGE, RED, STYLE, WIDTH
+from farhand.runs.figure import BLUE, GREEN, GREY, ORANGE, RED, STYLE, WIDTH, save
 from farhand.runs.run import COMPUTING_TIME
 from farhand.runs.scenario import Scenario
 
@@ -64,8 +64,8 @@ def draw_table1(table: Table1, rows: Sequence[Row], folder: Path) -> list[Path]:
             ("boxes", _boxes(plt, table, good)),
         ):
             png = folder / f"{name}.png"
-            figure.savefig(png, dpi=200)
-            figure.savefig(folder / f"{name}.pdf")
+            save(figure, png, dpi=200)
+            save(figure, folder / f"{name}.pdf")
             plt.close(figure)
             written.append(png)
     return written

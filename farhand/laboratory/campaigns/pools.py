@@ -86,7 +86,7 @@ class DaskPool(Pool):
             import distributed as untyped
         except ImportError:
             raise InputError(
-                "--scheduler: the `distributed` package is missing; install Farhand with the extra `dask`"
+                "--scheduler: the `distributed` package is missing; pip install 'farhand[dask]'"
             ) from None
         try:
             distributed: Any = untyped

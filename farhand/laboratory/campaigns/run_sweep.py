@@ -1,5 +1,6 @@
 """`farhand sweep` from beginning to end: run, one table as CSV and Parquet, a summary a grid point."""
 
+import importlib.util
 import json
 import sys
 from collections.abc import Sequence
@@ -10,15 +11,17 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from farhand.common.result_file import write_whole
 from farhand.laboratory.campaigns.jobs import UNITS, Row
 from farhand.laboratory.campaigns.pools import Pool
-from farhand.laboratory.campaigns.run_table1 import report_crashes, run_with_progress
+from farhand.laboratory.campaigns.run_table1 import keep, report_crashes, run_with_progress
 from farhand.laboratory.campaigns.statistics import Cell, summarise_cell
-from farhand.laboratory.campaigns.store import FIELDS, Store
+from farhand.laboratory.campaigns.store import FIELDS, TABLE, Store
 from farhand.laboratory.campaigns.sweep import Sweep
 from farhand.laboratory.campaigns.table1_report import millimetres, percent
 
 JSON, PARQUET = "sweep.json", "tasks.parquet"
+WITHOUT_PARQUET = f"no {PARQUET}: pyarrow is not installed (pip install 'farhand[parquet]')"
 
 
 def run_sweep(sweep: Sweep, pool: Pool, out: Path, as_json: bool) -> int:
@@ -26,14 +29,19 @@ def run_sweep(sweep: Sweep, pool: Pool, out: Path, as_json: bool) -> int:
     console = Console(file=sys.stderr if as_json else sys.stdout)
     store = Store(out, sweep.about())
     rows, run = run_with_progress(sweep.jobs, store, pool, console)
-    write_parquet(rows, out / PARQUET)
+    written = [JSON, TABLE]
+    if has_parquet():
+        keep(out / PARQUET, lambda path: write_parquet(rows, path), console)
+        written.append(PARQUET)
+    else:
+        console.print(WITHOUT_PARQUET, style="yellow", markup=False, highlight=False)
     points = summarise_points(rows)
     listed = [{"point": labels, **asdict(cell)} for labels, cell in points]
     found = {"about": sweep.about(), "points": listed, "run": run}
-    (out / JSON).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    keep(out / JSON, lambda path: write_whole(path, json.dumps(found, indent=1) + "\n"), console)
     console.print(_table(points))
     report_crashes(rows, console)
-    console.print(f"results in {out}/: {JSON}, tasks.csv, {PARQUET}", highlight=False)
+    console.print(f"results in {out}/: {', '.join(written)}", highlight=False)
     if as_json:
         print(json.dumps(found), flush=True)
     return 1 if any(row.error for row in rows) else 0
@@ -45,6 +53,11 @@ def summarise_points(rows: Sequence[Row]) -> list[tuple[dict[str, Any], Cell]]:
     for row in rows:
         grouped.setdefault(json.dumps(row.labels), []).append(row)
     return [(found[0].labels, summarise_cell(found)) for found in grouped.values()]
+
+
+def has_parquet() -> bool:
+    """Whether the package that writes Parquet is installed."""
+    return importlib.util.find_spec("pyarrow") is not None
 
 
 def write_parquet(rows: Sequence[Row], path: Path) -> None:
@@ -62,7 +75,9 @@ def write_parquet(rows: Sequence[Row], path: Path) -> None:
         pa.field(name, array.type, metadata={"unit": UNITS[name]} if name in UNITS else None)
         for name, array in zip(columns, arrays, strict=True)
     ]
-    pq.write_table(pa.table(arrays, schema=pa.schema(fields)), path)
+    made = pa.BufferOutputStream()
+    pq.write_table(pa.table(arrays, schema=pa.schema(fields)), made)
+    write_whole(path, made.getvalue().to_pybytes())
 
 
 def _uniform(values: list[Any]) -> list[Any]:

@@ -2,17 +2,20 @@
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
 
+from farhand.common.process.outputs import survive
+from farhand.common.result_file import write_whole
 from farhand.common.timing.clock import processor_seconds
 from farhand.laboratory.campaigns.campaign import run_campaign
 from farhand.laboratory.campaigns.jobs import Job, Row
 from farhand.laboratory.campaigns.pools import Pool
-from farhand.laboratory.campaigns.store import Store
+from farhand.laboratory.campaigns.store import TABLE, Store
 from farhand.laboratory.campaigns.table1 import Table1
 from farhand.laboratory.campaigns.table1_report import to_json, to_markdown, to_rich
 
@@ -26,18 +29,27 @@ def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
     jobs = table.jobs()
     rows, run = run_with_progress(jobs, store, pool, console)
     found = to_json(table, rows, run)
-    (out / JSON).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    (out / MARKDOWN).write_text(to_markdown(table, rows), encoding="utf-8")
+    keep(out / JSON, lambda path: write_whole(path, json.dumps(found, indent=1) + "\n"), console)
+    keep(out / MARKDOWN, lambda path: write_whole(path, to_markdown(table, rows)), console)
     if table.only is None:
         from farhand.laboratory.campaigns.figures import draw_table1
 
-        draw_table1(table, rows, out)
+        keep(out, lambda path: draw_table1(table, rows, path), console)
     console.print(to_rich(rows))
     report_crashes(rows, console)
     console.print(f"results in {out}/: {JSON}, {MARKDOWN}, tasks.csv, figures", highlight=False)
     if as_json:
         print(json.dumps(found), flush=True)
     return 1 if any(row.error for row in rows) else 0
+
+
+def keep(path: Path, write: Callable[[Path], object], console: Console) -> None:
+    """Write a file or folder of results; where the disk fails, say so and go on."""
+    survive(
+        str(path),
+        lambda: write(path),
+        lambda line: console.print(line, style="yellow", markup=False, highlight=False),
+    )
 
 
 def run_with_progress(
@@ -69,8 +81,10 @@ def run_with_progress(
 
             rows = run_campaign(jobs, store, pool, advance)
     finally:
-        store.write_table(store.ordered(jobs))
+        keep(store.folder / TABLE, lambda _: store.write_table(store.ordered(jobs)), console)
         store.close()
+        if store.trouble:
+            console.print(store.trouble, style="yellow", markup=False, highlight=False)
     wall = processor_seconds() - began
     new = [row for row in rows[:] if row.duration is not None]
     run = {

@@ -15,6 +15,8 @@ from typing import Any, TextIO
 import msgspec
 
 from farhand.common.errors import InputError
+from farhand.common.process.outputs import hold_folder, make_folder
+from farhand.common.result_file import write_whole
 from farhand.laboratory.campaigns.jobs import UNITS, Job, Row
 
 CAMPAIGN, ROWS, TABLE = "campaign.json", "rows.jsonl", "tasks.csv"
@@ -30,15 +32,20 @@ class Store:
         folder: made if need be.
         about: settings, seed and versions; a folder that holds another campaign is refused.
 
+    Attributes:
+        trouble: why finished rows are not on the disk, in words; empty: they are.
+
     Raises:
-        InputError: the folder cannot be written, or holds another campaign.
+        InputError: the folder cannot be written, holds another campaign, or another program runs it.
     """
 
     def __init__(self, folder: Path, about: dict[str, Any]) -> None:
         self.folder = folder
+        self.trouble = ""
         self._stream: TextIO | None = None
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_folder(folder, "--out")
+            hold_folder(folder, "--out")
             self._claim(about)
             self.rows = self._read()
             self._stream = (folder / ROWS).open("a", encoding="utf-8")
@@ -49,10 +56,13 @@ class Store:
         """Keep a finished row; False if it was there already."""
         if row.key in self.rows:
             return False
-        assert self._stream is not None
-        self._stream.write(msgspec.json.encode(row).decode() + "\n")
-        self._stream.flush()
         self.rows[row.key] = row
+        if self._stream is not None:
+            try:
+                self._stream.write(msgspec.json.encode(row).decode() + "\n")
+                self._stream.flush()
+            except OSError as error:
+                self._fail(error)
         return True
 
     def missing(self, jobs: Iterable[Job]) -> list[Job]:
@@ -66,13 +76,27 @@ class Store:
     def write_table(self, rows: Sequence[Row]) -> Path:
         """`tasks.csv`: a header with units, a line a run."""
         path = self.folder / TABLE
-        path.write_text(to_csv(rows), encoding="utf-8")
+        write_whole(path, to_csv(rows))
         return path
 
     def close(self) -> None:
-        """Close the file of finished rows."""
+        """Close the file of finished rows; never raises, `trouble` tells."""
         if self._stream is not None:
-            self._stream.close()
+            try:
+                self._stream.close()
+            except OSError as error:
+                self._fail(error)
+
+    def _fail(self, error: OSError) -> None:
+        """Go on without the file: half a line at its end is dropped when it is read again."""
+        why = error.strerror or error
+        self.trouble = f"{self.folder / ROWS}: cannot be written: {why}; such a campaign cannot go on"
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            try:
+                stream.close()
+            except OSError:
+                pass
 
     def _claim(self, about: dict[str, Any]) -> None:
         path = self.folder / CAMPAIGN
@@ -87,7 +111,7 @@ class Store:
                 raise InputError(
                     f"--out {self.folder}: holds another campaign ({differs}); choose another folder"
                 )
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
 
     def _read(self) -> dict[str, Row]:
         """Finished rows; a line that was cut off in the middle is dropped, from the file as well."""
@@ -106,7 +130,7 @@ class Store:
             rows[row.key] = row
             whole += line
         if len(whole) != path.stat().st_size:
-            path.write_bytes(bytes(whole))
+            write_whole(path, bytes(whole))
         return rows
 
 
