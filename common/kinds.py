@@ -75,7 +75,7 @@ class Kinds(Generic[T]):
             )
         try:
             kind: T = points[0].load()
-        except Exception as error:  # whatever a stranger's module does at import
+        except (Exception, SystemExit) as error:  # whatever a stranger's module does at import
             raise InputError(
                 f"{_brought(points)}: {self.group}: {self.what} {name!r} cannot be imported from "
                 f"{points[0].value}: {type(error).__name__}: {error}"

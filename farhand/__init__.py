@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from farhand.common.errors import FarhandError as FarhandError
     from farhand.common.errors import InputError as InputError
+    from farhand.common.errors import ScenarioError as ScenarioError
     from farhand.common.link.link import Packet as Packet
     from farhand.common.messages.base import Vector3 as Vector3
     from farhand.common.messages.command import VelocityCommand as VelocityCommand
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "FarhandError": "common.errors",
+    "ScenarioError": "common.errors",
     "InputError": "common.errors",
     "Packet": "common.link.link",
     "Vector3": "common.messages.base",
@@ -150,4 +152,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_HOME])
+    return sorted(_HOME)

@@ -81,7 +81,7 @@ def run_operator(
             start_ns = now_ns
         since_ns = node.driving_since_ns or start_ns
         late = limit_ns is not None and now_ns - since_ns >= limit_ns
-        return node.finished or late or stop_event.is_set()
+        return node.finished or bool(node.fault) or late or stop_event.is_set()
 
     loop = RealtimeLoop(node, clock, realtime=realtime, until=over)
     if slot is not None:

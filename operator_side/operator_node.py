@@ -8,7 +8,7 @@ link -> perception (newest state, scene, description) -> round trip, innovations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from farhand.common.geometry import norm, to_vector3
@@ -25,6 +25,7 @@ from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.delay_limits import beyond_limits
+from farhand.operator_side.faults import checked_margin, checked_steering, in_one_line
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.perception import Perception
@@ -38,7 +39,7 @@ from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
 from farhand.operator_side.settings import OperatorScenario
 from farhand.operator_side.steering.device import SteeringDevice, View
 from farhand.operator_side.steering.targets import Targets
-from farhand.operator_side.supervision import Supervision
+from farhand.operator_side.supervision import Decision, Supervision
 
 STALE_STATE = "no news from the robot: resynchronising"
 
@@ -83,6 +84,19 @@ class _Mind:
     filter: SafetyFilter
 
 
+@dataclass(frozen=True, slots=True)
+class _Decided:
+    """What a tick shall command; see reporting.Tick for what is not said here."""
+
+    decision: Decision
+    reason: str
+    desired: Vector3
+    prediction: Prediction = field(default_factory=lambda: Prediction(ZERO))
+    margin: Margin = field(default_factory=Margin)
+    filtered: Filtered | None = None
+    solve_time: float = 0.0
+
+
 class OperatorNode:
     """See the module's docstring.
 
@@ -124,6 +138,7 @@ class OperatorNode:
         self._supervision = Supervision(who.session, who.name)
         self._writer = ReportWriter(who.name, who.session, self._perception, self.round_trip)
         self._seq, self._refused_after = -1, 0.0  # s from the first command to news of stale ones
+        self.fault = ""  # what a kind got wrong, in one line: the node stands from then on
         self.driving_since_ns: int | None = None  # instant of the first `run` command
 
     @property
@@ -197,28 +212,14 @@ class OperatorNode:
         packets = self._link.receive()
         for packet in packets:
             self._take(packet)
-        state, scene = self._perception.state, self._perception.scene
-        mind = self._know_the_robot()
-        steering = None
-        if state is not None and scene is not None and mind is not None:
-            self._targets.update(state, scene, driving=state.holder == self.session)
-            steering = self.device.read(View(state, scene, self._targets, now_ns))
-        self._supervision.twins = self._perception.twins(now_ns)
-        decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
-        mode, reason = decision.mode, decision.reason
-        prediction, margin, filtered, solve_time = Prediction(ZERO), Margin(), None, 0.0
-        if state is not None and scene is not None and steering is not None and mind is not None:
-            prediction, margin = self._look_ahead(mind, state, now_ns)
-            if mode == "run":
-                started = self._stopwatch() if self._stopwatch else 0.0
-                ahead = Ahead(steering.velocity, prediction, margin, state, scene)
-                filtered, why = self._decide_plan(mind, ahead, now_ns)
-                solve_time = self._stopwatch() - started if self._stopwatch else 0.0
-                reason = why or reason
-                if self.driving_since_ns is None:
-                    self.driving_since_ns = now_ns
-            reason = self._why_in_the_end(mode, reason, state, mind.robot, now_ns)
-        desired = steering.velocity if steering is not None else ZERO
+        try:
+            decided = self._decide(now_ns)
+        except Exception as error:  # of a law, a device or a controller: nothing throws in a control loop
+            self.fault = self.fault or in_one_line(error)
+            decided = self._stand(now_ns)
+        decision, prediction, filtered = decided.decision, decided.prediction, decided.filtered
+        mode, mind = decision.mode, self._mind
+        desired = decided.desired
         velocities = self._velocities(filtered)
         payload = None
         if mode is not None:
@@ -231,14 +232,14 @@ class OperatorNode:
                 now_ns=now_ns,
                 seq=self._seq,
                 mode=mode or "hold",
-                reason=reason,
+                reason=decided.reason,
                 desired=desired,
                 velocity=velocities[0],
                 prediction=prediction,
                 prediction_error=mind.innovations.newest if mind is not None else 0.0,
-                margin=margin,
+                margin=decided.margin,
                 filtered=filtered,
-                solve_time=solve_time,
+                solve_time=decided.solve_time,
                 overruns=self._ticks.overruns,
             ),
             self._targets,
@@ -247,6 +248,46 @@ class OperatorNode:
             self.recorder.tick(now_ns, packets, payload, self.report)
         for listener in self.listeners:
             listener(self.report)
+
+    def _decide(self, now_ns: int) -> "_Decided":
+        """What this tick shall command; raises whatever a kind raises."""
+        state, scene = self._perception.state, self._perception.scene
+        mind = self._know_the_robot()
+        steering = None
+        if state is not None and scene is not None and mind is not None:
+            self._targets.update(state, scene, driving=state.holder == self.session)
+            steering = checked_steering(self.device.read(View(state, scene, self._targets, now_ns)))
+        self._supervision.twins = self._perception.twins(now_ns)
+        decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
+        decided = _Decided(decision, decision.reason, steering.velocity if steering is not None else ZERO)
+        if state is None or scene is None or steering is None or mind is None:
+            return decided
+        prediction, margin = self._look_ahead(mind, state, now_ns)
+        reason, filtered, solve_time = decision.reason, None, 0.0
+        if decision.mode == "run":
+            started = self._stopwatch() if self._stopwatch else 0.0
+            ahead = Ahead(steering.velocity, prediction, margin, state, scene)
+            filtered, why = self._decide_plan(mind, ahead, now_ns)
+            solve_time = self._stopwatch() - started if self._stopwatch else 0.0
+            reason = why or reason
+            if self.driving_since_ns is None:
+                self.driving_since_ns = now_ns
+        reason = self._why_in_the_end(decision.mode, reason, state, mind.robot, now_ns)
+        return replace(
+            decided,
+            reason=reason,
+            prediction=prediction,
+            margin=margin,
+            filtered=filtered,
+            solve_time=solve_time,
+        )
+
+    def _stand(self, now_ns: int) -> "_Decided":
+        """After a fault: hold, if this session has control, else nothing."""
+        state = self._perception.state
+        holds = state is not None and state.holder == self.session
+        reason = f"fault: {self.fault}"
+        return _Decided(Decision("hold" if holds else None, reason), reason, ZERO)
 
     def _take(self, packet: Packet) -> None:
         state = self._perception.take(packet)
@@ -277,16 +318,14 @@ class OperatorNode:
 
     def _look_ahead(self, mind: "_Mind", state: RobotState, now_ns: int) -> tuple[Prediction, Margin]:
         prediction = mind.predictor.predict(state, self._seq, now_ns, self.round_trip.mean)
-        margin = self._margin.evaluate(
-            MarginInput(
-                speed=norm(state.velocity),
-                rtt_mean=self.round_trip.mean,
-                rtt_std=self.round_trip.std,
-                innovation=mind.innovations.largest,
-                spread=prediction.spread,
-            )
+        given = MarginInput(
+            speed=norm(state.velocity),
+            rtt_mean=self.round_trip.mean,
+            rtt_std=self.round_trip.std,
+            innovation=mind.innovations.largest,
+            spread=prediction.spread,
         )
-        return prediction, margin
+        return prediction, checked_margin(self._margin.evaluate(given))
 
     def _why_in_the_end(
         self, mode: CommandMode | None, reason: str, state: RobotState, robot: RobotDescription, now_ns: int

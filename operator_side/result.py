@@ -47,7 +47,7 @@ class OperatorCounts(msgspec.Struct, frozen=True, kw_only=True):
     standing: dict[str, int] = msgspec.field(default_factory=dict)
 
 
-class OperatorResult(OperatorCounts, frozen=True, kw_only=True):
+class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="program", tag="operator"):
     """What the operator's side saw and did.
 
     Attributes:

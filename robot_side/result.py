@@ -32,21 +32,21 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
         lateness: of the loop; None in virtual time.
     """
 
-    min_clearance: float | None = None
+    min_clearance: float | None
     min_arm_clearance: float | None = None
     path_length: float = 0.0
-    ticks: int = 0
+    ticks: int
     overruns: int = 0
     states_sent: int = 0
     commands_received: int = 0
     refused: dict[str, int] = msgspec.field(default_factory=dict)
-    stops: int = 0
+    stops: int
     holds: int = 0
     longest_silence: float = 0.0
     lateness: Lateness | None = None
 
 
-class RobotResult(RobotCounts, frozen=True, kw_only=True):
+class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", tag="robot"):
     """What happened to the robot.
 
     Attributes:

@@ -85,7 +85,8 @@ def read_run(path: Path) -> RecordedRun:
     except Exception as error:  # on a cut the reader raises its own, struct.error, EOFError and others
         cut_off = True
         if info is None:
-            raise RunFileError(f"run {path}: not a recording of Farhand: {error}") from None
+            what = str(error) or "it is empty"
+            raise RunFileError(f"run {path}: not a recording of Farhand: {what}") from None
     if info is None:
         raise RunFileError(f"run {path}: holds no description of a run; expected {FORMAT}")
     if info.format != FORMAT:

@@ -150,4 +150,4 @@ def print_rows(rows: list[tuple[str, str]]) -> None:
     table = Table.grid(padding=(0, 2))
     for name, line in rows:
         table.add_row(f"[bold]{escape(name)}[/bold]", escape(line))
-    Console().print(table)
+    Console(emoji=False).print(table)

@@ -106,7 +106,9 @@ def simulate(
 
 def summarise(
     folder: Annotated[Path, typer.Argument(help="Folder with operator.json, netem.json, robot.json.")],
-    scenario: ScenarioOption = "ur5-obstacle",
+    scenario: Annotated[
+        str | None, typer.Option(help="Built-in scenario or TOML file, where the folder holds none.")
+    ] = None,
     network: NetworkOption = None,
     uplink: UplinkOption = None,
     downlink: DownlinkOption = None,
@@ -120,15 +122,18 @@ def summarise(
 ) -> None:
     """Summary and figure of a run whose programs ran on hosts of their own; options as in that run.
 
+    The scenario is the folder's own scenario.toml where there is one, else ur5-obstacle or what --scenario says.
+
     Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
     """
-    from farhand.runs.conclude import run_summarise
+    from farhand.runs.conclude import run_summarise, scenario_of_folder
     from farhand.runs.run import Run
 
-    chosen = chosen_scenario(scenario, settings, margin=margin, predictor=predictor, solver=solver)
+    where = scenario_of_folder(folder, scenario)
+    chosen = chosen_scenario(where, settings, margin=margin, predictor=predictor, solver=solver)
     run = Run(
         scenario=chosen,
-        network=chosen_network(chosen, scenario, network, uplink, downlink),
+        network=chosen_network(chosen, where, network, uplink, downlink),
         seed=seed,
     )
     raise typer.Exit(run_summarise(run, folder, why=why, as_json=as_json))

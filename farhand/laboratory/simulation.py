@@ -38,7 +38,7 @@ from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
 from farhand.runs.results import RunResults
 from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run
-from farhand.runs.scenario import Scenario
+from farhand.runs.scenario import Scenario, load_scenario
 from farhand.runs.summary import RunSummary, summarise
 from farhand.runs.why import unfinished
 
@@ -88,9 +88,10 @@ class Options(TypedDict, total=False):
     robot: Robot | None
 
 
-def simulate(
-    scenario: Scenario,
+def simulate(  # noqa: PLR0913 (the friendly front door)
+    scenario: Scenario | str,
     *,
+    network: str | None = None,
     uplink: str | None = None,
     downlink: str | None = None,
     seed: int = 0,
@@ -102,18 +103,24 @@ def simulate(
     """Run one task in virtual time.
 
     Args:
-        scenario: what to do.
-        uplink, downlink: SPECs; None takes the scenario's, and `none` where it has none.
+        scenario: what to do: a Scenario, or the name of a built-in one or of a TOML file.
+        network: SPEC of both directions; None takes the scenario's, and `none` where it has none.
+        uplink, downlink: SPECs of one direction, where it differs.
         seed: of every random stream.
         time_limit: of the task, from the first motion command (s).
         computing_time: of a control tick (s).
         timeline: TOML file of changes of the network at given times.
-        options: see Options.
+        options: `keep_reports=True` keeps every ControlReport, `record_to=PATH` writes a recording that can be
+            replayed, `digest=True` hashes every message; `controller=` and `robot=` stand in for the scenario's:
+            fresh ones, as they keep state, and the caller closes the robot.
 
-    Raises InputError: a SPEC, a file or the robot's start makes no sense.
+    Raises:
+        InputError: a SPEC, a file, a number or the robot's start makes no sense.
+        TypeError: an argument that there is not.
     """
+    scenario = load_scenario(scenario) if isinstance(scenario, str) else scenario
     run = msgspec.structs.replace(
-        Run.over(scenario, uplink=uplink, downlink=downlink, seed=seed),
+        Run.over(scenario, network, uplink=uplink, downlink=downlink, seed=seed),
         time_limit=time_limit,
         computing_time=(computing_time,),
         timeline=timeline,
@@ -122,7 +129,11 @@ def simulate(
 
 
 def simulate_run(run: Run, **options: "Unpack[Options]") -> SimulationResult:
-    """Do a run in virtual time; for the options, see Options."""
+    """Do a run in virtual time; for the options, see Options. Raises TypeError for one that there is not."""
+    unknown = set(options) - set(Options.__annotations__)
+    if unknown:
+        known = ", ".join(Options.__annotations__)
+        raise TypeError(f"simulate() has no argument {sorted(unknown)[0]!r}; its options are {known}")
     with ExitStack() as closing:
         world = _World(run, options, closing)
         result = world.run()
@@ -242,9 +253,13 @@ class _World:
 def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int) -> int:
     """Until finished, or the limit after the first motion command (or after the start, if there is none)."""
     start_ns = executor.clock.now_ns()
-    executor.run_until(start_ns + limit_ns, lambda: operator.driving_since_ns is not None)
+    executor.run_until(
+        start_ns + limit_ns, lambda: operator.driving_since_ns is not None or bool(operator.fault)
+    )
     if operator.driving_since_ns is not None:
-        executor.run_until(operator.driving_since_ns + limit_ns, lambda: operator.finished)
+        executor.run_until(
+            operator.driving_since_ns + limit_ns, lambda: operator.finished or bool(operator.fault)
+        )
     return executor.clock.now_ns()
 
 

@@ -18,6 +18,7 @@ from farhand.programs.sessions import random_session
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.robots.robot import Robot
 from farhand.runs.scenario import Scenario
 
 
@@ -57,7 +58,7 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         guard(session, folder, name, "robot", teller.say)
         PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)
         robot = make_robot(scenario)
-        closing.callback(robot.close)
+        closing.callback(_close, robot)
         teller.say(f"{name!r}, a {scenario.robot.kind}, at {access.where}; Ctrl-C ends it")
         node = RobotNode(scenario, robot, tell_systemd(link, stop_event), name, random_session())
         result = run_robot(node, clock, stop_event, realtime=options.realtime, say=teller.say)
@@ -68,3 +69,11 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         path = options.result
         survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("robot", line))
     return 0
+
+
+def _close(robot: Robot) -> None:
+    """Give the robot back; what a driver gets wrong there must not cost the result."""
+    try:
+        robot.close()
+    except Exception as error:
+        say("robot", f"could not be closed: {type(error).__name__}: {error}")

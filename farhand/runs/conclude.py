@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+import msgspec
 from rich.console import Console
 
 from farhand.common.errors import InputError
@@ -12,14 +13,33 @@ from farhand.common.process.signals import say
 from farhand.common.result_file import write_whole
 from farhand.runs.console import page
 from farhand.runs.figure import draw_run
-from farhand.runs.files import FIGURE, OPERATOR, RESULTS, ROBOT, SUMMARY
+from farhand.runs.files import FIGURE, OPERATOR, RESULTS, ROBOT, SCENARIO, SUMMARY
 from farhand.runs.report import print_outcome
 from farhand.runs.results import read_results
 from farhand.runs.run import Run
 from farhand.runs.run_folder import summarise_results, write_scenario
+from farhand.runs.scenario import load_scenario
 from farhand.runs.summary import write_summary
 
 T = TypeVar("T")
+
+
+def scenario_of_folder(folder: Path, asked: str | None) -> str:
+    """The scenario of a run's folder: its own file, else what was asked for, else ur5-obstacle.
+
+    Raises InputError where both are there and are not the same scenario: a summary of another task would be false.
+    """
+    own = folder / SCENARIO
+    if not own.is_file():
+        return asked or "ur5-obstacle"
+    if asked is not None:
+        kept, other = load_scenario(str(own)), load_scenario(asked)
+        if msgspec.structs.replace(other, network=kept.network) != kept:
+            raise InputError(
+                f"--scenario {asked}: {folder} holds another scenario, {kept.name!r}, in {SCENARIO}; "
+                "leave --scenario out, or take that file away"
+            )
+    return str(own)
 
 
 def run_summarise(run: Run, folder: Path, *, why: str, as_json: bool) -> int:

@@ -1,5 +1,6 @@
 """A run: which task over which network, with which draws, for how long. Made once, at the edge; handed on whole."""
 
+import math
 from typing import Any
 
 import msgspec
@@ -133,6 +134,15 @@ class Run(msgspec.Struct, frozen=True, kw_only=True):
         """
         choice = read_choice(network, uplink, downlink)
         return cls(scenario=scenario, network=choose_network(scenario, choice), seed=seed)
+
+    def __post_init__(self) -> None:
+        """Raises InputError for numbers that make no sense."""
+        if self.seed < 0:
+            raise InputError(f"seed {self.seed}: must be 0 or more")
+        if not 0.0 < self.time_limit < math.inf:
+            raise InputError(f"time_limit {self.time_limit:g}: must be more than 0 s")
+        if not self.computing_time or not all(0.0 <= each < math.inf for each in self.computing_time):
+            raise InputError("computing_time: must be 0 s or more")
 
     def check(self) -> None:
         """Raise InputError where its files cannot be used."""

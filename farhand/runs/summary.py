@@ -99,13 +99,18 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         return self.uplink if self.uplink == self.downlink else f"{self.uplink} / {self.downlink}"
 
 
+_NOTHING = RobotResult(min_clearance=None, ticks=0, stops=0)
+"""What is known of a robot whose program left no result."""
+
+
 def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") -> RunSummary:
     """Put a run's results together; the robot's own is the truth about clearance.
 
-    A program that left no result has counted nothing, and nothing is known to be safe without the robot's.
+    A program that left no result has counted nothing, and nothing is known to be safe without the robot's, or where
+    it measured no clearance though there are obstacles.
     """
     scenario = run.scenario
-    robot = results.robot if results.robot is not None else RobotResult()
+    robot = results.robot if results.robot is not None else _NOTHING
     operator = results.operator
     if operator is None:
         operator = OperatorResult(finished=False, solver=str(scenario.controller.solver))
@@ -114,7 +119,8 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
     free = robot.min_arm_clearance is None or robot.min_arm_clearance > 0
     last = operator.last_report
     driven = None if results.operator is None else operator.finished or (last is not None and last.states > 0)
-    known = results.robot is not None and driven is not False
+    measured = robot.ticks > 0 and (robot.min_clearance is not None or not scenario.obstacles)
+    known = measured and driven is not False
     near = too_near(robot, d_min)
     began = motion_start(robot.trajectory)
     return RunSummary(

@@ -102,7 +102,7 @@ class NetemCounts(msgspec.Struct, frozen=True, kw_only=True):
     tc: list[KernelCounts] = msgspec.field(default_factory=list)
 
 
-class NetemResult(NetemCounts, frozen=True, kw_only=True):
+class NetemResult(NetemCounts, frozen=True, kw_only=True, tag_field="program", tag="netem"):
     """What the emulator did; durations in s.
 
     Attributes:

@@ -3,8 +3,11 @@
 Each is imported only when it is asked for.
 """
 
+import traceback
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from farhand.common.errors import FarhandError, InputError
 from farhand.common.kinds import Kinds
 from farhand.robot_side.robots.settings import RobotScenario
 
@@ -26,9 +29,20 @@ ROBOTS: "Kinds[type[Robot]]" = Kinds(
 def make_robot(scenario: RobotScenario) -> "Robot":
     """The scenario's robot at the scenario's start.
 
-    Raises ScenarioError when the robot cannot stand there, InputError when there is no such robot.
+    Raises ScenarioError when the robot cannot stand there, InputError when there is no such robot, or it cannot be
+    had: whatever a kind raises, such as a ConnectionError of a driver, is told in one line.
     """
-    return ROBOTS.get(scenario.robot.kind, "robot.kind").for_scenario(scenario)
+    kind = ROBOTS.get(scenario.robot.kind, "robot.kind")
+    try:
+        return kind.for_scenario(scenario)
+    except FarhandError:
+        raise
+    except Exception as error:
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InputError(
+            f"robot {scenario.robot.kind!r} cannot be had: {text} ({Path(where.filename).name}, line {where.lineno})"
+        ) from None
 
 
 def check_scenario(scenario: RobotScenario) -> None:

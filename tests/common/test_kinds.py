@@ -84,3 +84,11 @@ def test_what_cannot_be_is_one_line(outside, points, name, words):
         kinds().get(name, "margin.kind")
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_module_that_exits_at_import_is_told_of(outside, tmp_path, monkeypatch):
+    (tmp_path / "leaves_at_once.py").write_text("import sys\nsys.exit(3)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    outside(point("mine", "leaves_at_once:Mine"))
+    with pytest.raises(InputError, match="SystemExit: 3"):
+        kinds().get("mine")

@@ -21,6 +21,7 @@ NETEM = NetemResult(
 )
 OPERATOR = OperatorResult(finished=True, solver="newton", series=[(0.1, None, 0.0, 0.01, 0.4)])
 ROBOT = RobotResult(
+    ticks=1,
     min_clearance=0.02,
     refused={"stale": 2},
     mode="run",
@@ -52,8 +53,10 @@ def test_a_link_stays_a_link_and_a_pipe_a_pipe(tmp_path):
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
     try:
-        write_result(RobotResult(), pipe)
-        assert msgspec.json.decode(os.read(reader, 65536), type=RobotResult) == RobotResult()
+        write_result(RobotResult(min_clearance=None, ticks=1, stops=0), pipe)
+        assert msgspec.json.decode(os.read(reader, 65536), type=RobotResult) == RobotResult(
+            min_clearance=None, ticks=1, stops=0
+        )
     finally:
         os.close(reader)
     assert pipe.is_fifo()

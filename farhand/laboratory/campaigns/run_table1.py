@@ -34,7 +34,12 @@ def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
     if table.only is None:
         from farhand.laboratory.campaigns.figures import draw_table1
 
-        keep(out, lambda path: draw_table1(table, rows, path), console)
+        try:
+            keep(out, lambda path: draw_table1(table, rows, path), console)
+        except Exception as error:  # they run a task again, which may have crashed
+            console.print(
+                f"figures cannot be drawn: {type(error).__name__}: {error}", style="yellow", markup=False
+            )
     console.print(to_rich(rows))
     report_crashes(rows, console)
     console.print(f"results in {out}/: {JSON}, {MARKDOWN}, tasks.csv, figures", highlight=False)

@@ -17,7 +17,8 @@ HEAVY = ["zenoh", "pybullet", "pinocchio", "casadi", "numba", "daqp"]
 @pytest.fixture
 def folder(tmp_path):
     write_result(
-        RobotResult(min_clearance=0.5, trajectory=[(0.0, 0.0, 0.0, 0.0, 0.5)]), tmp_path / "robot.json"
+        RobotResult(min_clearance=0.5, ticks=1, stops=0, trajectory=[(0.0, 0.0, 0.0, 0.0, 0.5)]),
+        tmp_path / "robot.json",
     )
     write_result(OperatorResult(finished=True, solver="newton", duration=2.0), tmp_path / "operator.json")
     return tmp_path

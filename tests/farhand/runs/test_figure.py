@@ -28,7 +28,11 @@ def axes():
 
 
 def summary(**robot):
-    return summarise(RUN, RunResults(robot=RobotResult(**robot)), real_time=False)
+    return summarise(
+        RUN,
+        RunResults(robot=RobotResult(**({"min_clearance": 0.5, "ticks": 1, "stops": 0} | robot))),
+        real_time=False,
+    )
 
 
 def test_the_round_trip_is_not_one_line_through_a_silence(axes):

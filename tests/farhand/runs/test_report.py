@@ -101,7 +101,9 @@ def test_a_run_without_any_state_is_not_safe():
 def test_a_run_whose_operator_saw_states_is_known():
     operator = OperatorResult(finished=False, solver="newton", last_report=report(5, states=9))
     found = summarise(
-        RUN, RunResults(robot=RobotResult(min_clearance=0.5), operator=operator), real_time=False
+        RUN,
+        RunResults(robot=RobotResult(min_clearance=0.5, ticks=1, stops=0), operator=operator),
+        real_time=False,
     )
     assert (found.safe, found.driven) == (True, True)
 

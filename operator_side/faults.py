@@ -1,0 +1,45 @@
+"""What a margin law, a prediction law, a device or a controller got wrong, in one line: it must not reach the robot."""
+
+import math
+import traceback
+from pathlib import Path
+
+from farhand.common.errors import FarhandError
+from farhand.operator_side.margins.law import Margin
+from farhand.operator_side.steering.device import SteeringInput
+
+
+class KindError(FarhandError):
+    """A kind broke the promise of its interface."""
+
+
+def checked_margin(margin: Margin) -> Margin:
+    """The margin itself; raises KindError unless it makes obstacles larger by finite lengths."""
+    for name, value in (("sigma", margin.sigma), ("inflation", margin.inflation)):
+        if not (math.isfinite(value) and value >= 0.0):
+            raise KindError(f"the margin law gave {name} {value!r}; it must be finite and at least 0")
+    for name, value in margin.parts.items():
+        if not (isinstance(name, str) and isinstance(value, float | int) and math.isfinite(value)):
+            raise KindError(
+                f"the margin law gave a part {name!r} of {value!r}; it must be a finite length (m)"
+            )
+    return margin
+
+
+def checked_steering(steering: SteeringInput) -> SteeringInput:
+    """What the device wants; raises KindError unless it is a SteeringInput with a finite velocity."""
+    if not isinstance(steering, SteeringInput):
+        raise KindError(f"the steering device gave {steering!r}; it must be a SteeringInput")
+    velocity = steering.velocity
+    if len(velocity) != 3 or not all(map(math.isfinite, velocity)):
+        raise KindError(f"the steering device wants {velocity!r}; it must be three finite numbers (m/s)")
+    return steering
+
+
+def in_one_line(error: Exception) -> str:
+    """What was raised, and in which line of whose file."""
+    if isinstance(error, KindError):
+        return str(error)
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    return f"{text} ({Path(where.filename).name}, line {where.lineno})"
