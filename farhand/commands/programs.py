@@ -149,7 +149,7 @@ def estop(
     connect: Annotated[
         list[str] | None,
         typer.Option(
-            help="Endpoint of the robot, the emulator, or an operator's --report [default: all of this host]."
+            help="Endpoint of the robot, the emulator, or an operator's --report (default: all of this host)."
         ),
     ] = None,
     tls: TlsOption = "",
