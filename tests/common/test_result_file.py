@@ -22,6 +22,7 @@ NETEM = NetemResult(
 OPERATOR = OperatorResult(finished=True, solver="newton", series=[(0.1, None, 0.0, 0.01, 0.4)])
 ROBOT = RobotResult(
     ticks=1,
+    stops=0,
     min_clearance=0.02,
     refused={"stale": 2},
     mode="run",

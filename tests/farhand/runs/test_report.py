@@ -66,6 +66,8 @@ def test_nothing_lost_is_said_as_well():
 
 def test_a_collision_names_part_and_obstacle():
     robot = RobotResult(
+        ticks=10,
+        stops=0,
         min_clearance=0.0028,
         nearest_obstacle="ball",
         min_arm_clearance=-0.004,
@@ -110,7 +112,10 @@ def test_a_run_whose_operator_saw_states_is_known():
 
 def test_many_stops_are_counted_not_listed():
     robot = RobotResult(
-        min_clearance=0.5, stops=9, interruptions=[(float(k), "stopped", f"reason {k}") for k in range(9)]
+        ticks=10,
+        min_clearance=0.5,
+        stops=9,
+        interruptions=[(float(k), "stopped", f"reason {k}") for k in range(9)],
     )
     text = printed(summarise(RUN, RunResults(robot=robot), real_time=False))
     assert "reason 4" in text

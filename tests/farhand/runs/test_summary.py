@@ -6,6 +6,7 @@ import typing
 import msgspec
 import pytest
 
+from farhand.common.errors import ResultError
 from farhand.common.result_file import write_result
 from farhand.laboratory.simulation import simulate
 from farhand.netem.measure.result import NetemResult
@@ -22,6 +23,9 @@ RUN = Run(scenario=POINT, network=choose_network(POINT))
 OF_THE_FILE = {"version"}  # about the file, not about the run
 SETTINGS = {"seed"}  # stands in the summary already
 KINDS = {"robot": RobotResult, "operator": OperatorResult, "netem": NetemResult}
+
+
+ROBOT = RobotResult(min_clearance=0.5, ticks=10, stops=0)
 
 
 def is_count(kind) -> bool:
@@ -41,7 +45,7 @@ def test_every_number_of_a_result_reaches_the_summary_without_a_copy_by_hand(par
         if is_count(field.type) and field.name not in OF_THE_FILE | SETTINGS
     ]
     results = RunResults(
-        robot=RobotResult(), operator=OperatorResult(finished=True, solver="newton"), netem=NetemResult()
+        robot=ROBOT, operator=OperatorResult(finished=True, solver="newton"), netem=NetemResult()
     )
     values = {
         field.name: {"x": 40 + number} if typing.get_origin(field.type) is dict else 40 + number
@@ -73,7 +77,7 @@ def test_a_folder_of_dead_programs_is_not_safe_and_says_why(tmp_path):
     assert not summary.finished
     assert summary.why == "the operator's program left no result"
     assert summary.counts.robot is None
-    write_result(RobotResult(min_clearance=0.5), tmp_path / "robot.json")
+    write_result(ROBOT, tmp_path / "robot.json")
     summary = summarise_results(RUN, read_results(tmp_path))
     assert summary.safe
     assert not summary.finished
@@ -89,8 +93,25 @@ def test_a_folder_of_dead_programs_is_not_safe_and_says_why(tmp_path):
 
 @pytest.mark.parametrize(
     ("clearance", "arm", "safe"),
-    [(None, None, True), (0.01, None, True), (0.0099, None, False), (0.5, 0.0, False), (0.5, 1e-6, True)],
+    [(None, None, False), (0.01, None, True), (0.0099, None, False), (0.5, 0.0, False), (0.5, 1e-6, True)],
 )
 def test_safe_means_clear_with_tool_and_arm(clearance, arm, safe):
-    results = RunResults(robot=RobotResult(min_clearance=clearance, min_arm_clearance=arm))
-    assert summarise(RUN, results, real_time=False).safe is safe
+    robot = msgspec.structs.replace(ROBOT, min_clearance=clearance, min_arm_clearance=arm)
+    assert summarise(RUN, RunResults(robot=robot), real_time=False).safe is safe
+
+
+def test_who_measured_nothing_is_not_safe_unless_there_is_nothing():
+    idle = msgspec.structs.replace(ROBOT, ticks=0)
+    assert not summarise(RUN, RunResults(robot=idle), real_time=False).safe
+    free = msgspec.structs.replace(RUN, scenario=msgspec.structs.replace(POINT, obstacles=()))
+    nothing = msgspec.structs.replace(ROBOT, min_clearance=None)
+    assert summarise(free, RunResults(robot=nothing), real_time=False).safe
+
+
+@pytest.mark.parametrize(
+    "text", ['{"version": 1}', '{"version": 1, "program": "operator", "finished": true}']
+)
+def test_a_result_without_what_decides_or_of_another_program_is_refused(text, tmp_path):
+    (tmp_path / "robot.json").write_text(text)
+    with pytest.raises(ResultError, match="is not what a program left at its end"):
+        read_results(tmp_path)
