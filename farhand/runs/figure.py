@@ -153,7 +153,9 @@ def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, 
     axes.autoscale_view()
     axes.set_xlabel(f"${AXES[a]}$ (m)")
     axes.set_ylabel(f"${AXES[b]}$ (m)")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False, handlelength=1.6)
+    axes.figure.legend(
+        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=4, frameon=False, handlelength=1.6
+    )
 
 
 def _draw_obstacles(axes: Any, scenario: Scenario, plane: tuple[int, int], inflation: float) -> None:

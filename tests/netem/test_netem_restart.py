@@ -35,7 +35,7 @@ def test_both_sides_come_back_and_the_robot_was_stopped_meanwhile(tmp_path):
     def wait_for(condition, what):
         deadline_ns = clock.now_ns() + to_ns(PATIENCE)
         while clock.now_ns() < deadline_ns:
-            for seen in reader.read():
+            for seen in (arrived.report for arrived in reader.read()):
                 if condition(seen):
                     return seen
             assert set(children.ended()) <= {"netem"}, children.ended()
