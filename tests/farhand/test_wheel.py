@@ -5,6 +5,8 @@ import zipfile
 
 import pytest
 
+from farhand.testing import short_task
+
 
 def test_one_name_goes_into_site_packages(installed):
     with zipfile.ZipFile(installed.wheel) as wheel:
@@ -64,7 +66,8 @@ def test_a_package_of_the_users_own_called_common_stays_the_users(installed, tmp
 
 @pytest.mark.realtime
 def test_the_demo_in_an_empty_folder(installed, tmp_path):
-    done = installed.farhand("demo", "--scenario", "point-obstacle", "--network", "constant:50", cwd=tmp_path)
+    task = short_task(tmp_path)
+    done = installed.farhand("demo", "--scenario", str(task), "--network", "constant:50", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "SAFE" in done.stdout
     assert list(tmp_path.glob("runs/*/run.mcap"))
