@@ -1,5 +1,15 @@
 """One root for every error that Farhand raises on purpose."""
 
+import traceback
+from pathlib import Path
+
+
+def in_one_line(error: BaseException) -> str:
+    """What was raised, and in which line of whose file: `ValueError: broken (mine.py, line 7)`."""
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    frames = traceback.extract_tb(error.__traceback__)
+    return f"{text} ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else text
+
 
 class FarhandError(Exception):
     """Root of all errors raised on purpose."""

@@ -8,12 +8,28 @@ entry points (`[project.entry-points."farhand.margins"]`, `mine = "my_package.my
 import difflib
 import importlib
 import importlib.metadata
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Generic, TypeVar
 
-from farhand.common.errors import InputError
+from farhand.common.errors import FarhandError, InputError, in_one_line
 
 T = TypeVar("T")
+R = TypeVar("R")
+
+
+def made(what: str, make: Callable[[], R]) -> R:
+    """What `make` makes; whatever somebody's kind raises in it is an InputError of one line.
+
+    Args:
+        what: is made, for the message, e.g. "margin law 'mine'".
+        make: makes it.
+    """
+    try:
+        return make()
+    except FarhandError:
+        raise
+    except Exception as error:
+        raise InputError(f"{what} cannot be used: {in_one_line(error)}") from None
 
 
 class Kinds(Generic[T]):

@@ -1,10 +1,8 @@
 """What a margin law, a prediction law, a device or a controller got wrong, in one line: it must not reach the robot."""
 
 import math
-import traceback
-from pathlib import Path
 
-from farhand.common.errors import FarhandError
+from farhand.common.errors import FarhandError, in_one_line
 from farhand.operator_side.margins.law import Margin
 from farhand.operator_side.steering.device import SteeringInput
 
@@ -36,10 +34,6 @@ def checked_steering(steering: SteeringInput) -> SteeringInput:
     return steering
 
 
-def in_one_line(error: Exception) -> str:
+def told(error: Exception) -> str:
     """What was raised, and in which line of whose file."""
-    if isinstance(error, KindError):
-        return str(error)
-    where = traceback.extract_tb(error.__traceback__)[-1]
-    text = " ".join(f"{type(error).__name__}: {error}".split())
-    return f"{text} ({Path(where.filename).name}, line {where.lineno})"
+    return str(error) if isinstance(error, KindError) else in_one_line(error)

@@ -25,7 +25,7 @@ from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.delay_limits import beyond_limits
-from farhand.operator_side.faults import checked_margin, checked_steering, in_one_line
+from farhand.operator_side.faults import checked_margin, checked_steering, told
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.perception import Perception
@@ -215,7 +215,7 @@ class OperatorNode:
         try:
             decided = self._decide(now_ns)
         except Exception as error:  # of a law, a device or a controller: nothing throws in a control loop
-            self.fault = self.fault or in_one_line(error)
+            self.fault = self.fault or told(error)
             decided = self._stand(now_ns)
         decision, prediction, filtered = decided.decision, decided.prediction, decided.filtered
         mode, mind = decision.mode, self._mind

@@ -20,7 +20,7 @@ from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import RecordedRun, read_run
 from farhand.common.recording.records import TickRecord
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.control.registry import make_controller, prepare
 from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 from farhand.programs.wiring import make_operator, versions
@@ -154,7 +154,7 @@ def replay(
     reports, commands = Decoder(ControlReport), Decoder(VelocityCommand)
     if controller is None:
         controller = make_controller(scenario.controller)
-    controller.prepare()
+    prepare(controller)
     readings: list[float] = []
     node = make_operator(
         scenario,

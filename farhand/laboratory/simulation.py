@@ -6,7 +6,7 @@ clock: the same run gives the same bytes.
 
 import hashlib
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
@@ -22,7 +22,7 @@ from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.measure.result import NetemResult
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.control.registry import make_controller, prepare
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Span, Tally
 from farhand.programs.wiring import (
@@ -178,7 +178,9 @@ class _World:
         )
         why = ""
         if not operator.finished:
-            why = f"not finished within {run.time_limit:g} s: {unfinished(self._tally.last, run)}"
+            why = unfinished(self._tally.last, run)
+            if not operator.fault:
+                why = f"not finished within {run.time_limit:g} s: {why}"
         summary = summarise(run, results, real_time=False, why=why)
         assert results.netem is not None
         return SimulationResult(
@@ -201,7 +203,7 @@ class _World:
         scenario = self._run.scenario
         if robot is None:
             robot = make_robot(scenario)
-            closing.callback(robot.close)  # a world of PyBullet is 30 MB that stay otherwise
+            closing.callback(_close, robot)  # a world of PyBullet is 30 MB that stay otherwise
         return make_robot_node(
             scenario, link, scenario.robot.kind, session_of(self._run.seed, "robot"), robot
         )
@@ -211,7 +213,7 @@ class _World:
         controller = options.get("controller")
         if controller is None:
             controller = make_controller(scenario.controller)
-        controller.prepare()
+        prepare(controller)
         self._solver = controller.settings.solver
         session = session_of(self._run.seed, "operator")
         operator = make_operator(scenario, link, OperatorIdentity(name, session, OPERATOR_NAME), controller)
@@ -300,3 +302,9 @@ def _hash_traffic(end: MemoryLink, update: Callable[[bytes], None]) -> None:
         deliver(packet, now_ns)
 
     end.send, end.deliver = hashed_send, hashed_deliver  # type: ignore[method-assign]
+
+
+def _close(robot: Robot) -> None:
+    """Give a robot back; what it gets wrong there must not cost the result."""
+    with suppress(Exception):
+        robot.close()

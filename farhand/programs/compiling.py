@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable
 
 from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.control.registry import prepare
 
 SAY_AFTER = 1.0
 LINE = "compiling the solver, once on this machine: some 20 s ..."
@@ -21,6 +22,6 @@ def prepare_aloud(controller: Controller, tell: Callable[[str], None], patience:
     waiting.daemon = True
     waiting.start()
     try:
-        controller.prepare()
+        prepare(controller)
     finally:
         waiting.cancel()

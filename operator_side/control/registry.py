@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msgspec import structs
 
-from farhand.common.kinds import Kinds
+from farhand.common.kinds import Kinds, made
 from farhand.operator_side.control.settings import ControllerSettings
 
 if TYPE_CHECKING:
@@ -42,7 +42,13 @@ def make_controller(settings: ControllerSettings) -> "Controller":
 
     Where it cannot be quite what was asked for, the controller's `solver_notice` says so in one line.
     """
-    return CONTROLLERS.get(settings.kind, "controller.kind")(settings)
+    kind = CONTROLLERS.get(settings.kind, "controller.kind")
+    return made(f"controller {settings.kind!r}", lambda: kind(settings))
+
+
+def prepare(controller: "Controller") -> None:
+    """Compile and warm up a controller; raises InputError where it cannot."""
+    made(f"controller {type(controller).__name__}", controller.prepare)
 
 
 def make_mpc(settings: ControllerSettings) -> "Controller":

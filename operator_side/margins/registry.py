@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from farhand.common.kinds import Kinds
+from farhand.common.kinds import Kinds, made
 from farhand.common.scenario.section import own_settings
 from farhand.operator_side.margins.settings import MarginSettings
 
@@ -24,4 +24,5 @@ MARGINS: "Kinds[type[MarginLaw]]" = Kinds(
 def make_margin(settings: MarginSettings) -> "MarginLaw":
     """The law that the settings name; raises InputError."""
     law = MARGINS.get(settings.kind, "margin.kind")
-    return law(own_settings(settings, law, "margin"))
+    own = own_settings(settings, law, "margin")
+    return made(f"margin law {settings.kind!r}", lambda: law(own))

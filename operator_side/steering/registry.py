@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from farhand.common.kinds import Kinds
+from farhand.common.kinds import Kinds, made
 from farhand.common.scenario.section import own_settings
 from farhand.operator_side.steering.settings import SteeringSettings
 
@@ -20,4 +20,5 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
 def make_device(settings: SteeringSettings) -> "SteeringDevice":
     """The device that the settings name; raises InputError."""
     device = DEVICES.get(settings.kind, "steering.kind")
-    return device(own_settings(settings, device, "steering"))
+    own = own_settings(settings, device, "steering")
+    return made(f"steering device {settings.kind!r}", lambda: device(own))

@@ -3,12 +3,9 @@
 Each is imported only when it is asked for.
 """
 
-import traceback
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from farhand.common.errors import FarhandError, InputError
-from farhand.common.kinds import Kinds
+from farhand.common.kinds import Kinds, made
 from farhand.robot_side.robots.settings import RobotScenario
 
 if TYPE_CHECKING:
@@ -33,16 +30,7 @@ def make_robot(scenario: RobotScenario) -> "Robot":
     had: whatever a kind raises, such as a ConnectionError of a driver, is told in one line.
     """
     kind = ROBOTS.get(scenario.robot.kind, "robot.kind")
-    try:
-        return kind.for_scenario(scenario)
-    except FarhandError:
-        raise
-    except Exception as error:
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        text = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InputError(
-            f"robot {scenario.robot.kind!r} cannot be had: {text} ({Path(where.filename).name}, line {where.lineno})"
-        ) from None
+    return made(f"robot {scenario.robot.kind!r}", lambda: kind.for_scenario(scenario))
 
 
 def check_scenario(scenario: RobotScenario) -> None:

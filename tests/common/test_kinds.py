@@ -5,7 +5,7 @@ import importlib.metadata
 import pytest
 
 from farhand.common.errors import InputError
-from farhand.common.kinds import Kinds
+from farhand.common.kinds import Kinds, made
 
 
 class Base:
@@ -92,3 +92,17 @@ def test_a_module_that_exits_at_import_is_told_of(outside, tmp_path, monkeypatch
     outside(point("mine", "leaves_at_once:Mine"))
     with pytest.raises(InputError, match="SystemExit: 3"):
         kinds().get("mine")
+
+
+def test_what_a_kind_raises_when_it_is_made_is_one_line_that_says_where():
+    def broken():
+        raise RuntimeError("no\nlicence")
+
+    with pytest.raises(InputError) as caught:
+        made("margin law 'mine'", broken)
+    assert str(caught.value).startswith(
+        "margin law 'mine' cannot be used: RuntimeError: no licence (test_kinds.py, line "
+    )
+    with pytest.raises(InputError, match="asked for"):
+        made("it", lambda: (_ for _ in ()).throw(InputError("asked for")))
+    assert made("it", lambda: 3) == 3
