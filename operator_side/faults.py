@@ -2,7 +2,10 @@
 
 import math
 
+import numpy as np
+
 from farhand.common.errors import FarhandError, in_one_line
+from farhand.common.geometry import Array
 from farhand.operator_side.margins.law import Margin
 from farhand.operator_side.steering.device import SteeringInput
 
@@ -32,6 +35,14 @@ def checked_steering(steering: SteeringInput) -> SteeringInput:
     if len(velocity) != 3 or not all(map(math.isfinite, velocity)):
         raise KindError(f"the steering device wants {velocity!r}; it must be three finite numbers (m/s)")
     return steering
+
+
+def checked_plan(plan: Array, horizon: int) -> None:
+    """Raise KindError unless a plan is (horizon, 3) finite velocities (m/s)."""
+    if plan.shape != (horizon, 3) or not np.isfinite(plan).all():
+        raise KindError(
+            f"the controller gave a plan of shape {plan.shape}; it must be ({horizon}, 3) finite numbers"
+        )
 
 
 def told(error: Exception) -> str:

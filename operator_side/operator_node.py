@@ -25,7 +25,7 @@ from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.delay_limits import beyond_limits
-from farhand.operator_side.faults import checked_margin, checked_steering, told
+from farhand.operator_side.faults import checked_margin, checked_plan, checked_steering, told
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.perception import Perception
@@ -213,10 +213,10 @@ class OperatorNode:
         for packet in packets:
             self._take(packet)
         try:
-            decided = self._decide(now_ns)
+            decided = self._stand() if self.fault else self._decide(now_ns)
         except Exception as error:  # of a law, a device or a controller: nothing throws in a control loop
-            self.fault = self.fault or told(error)
-            decided = self._stand(now_ns)
+            self.fault = told(error)
+            decided = self._stand()
         decision, prediction, filtered = decided.decision, decided.prediction, decided.filtered
         mode, mind = decision.mode, self._mind
         desired = decided.desired
@@ -282,12 +282,12 @@ class OperatorNode:
             solve_time=solve_time,
         )
 
-    def _stand(self, now_ns: int) -> "_Decided":
-        """After a fault: hold, if this session has control, else nothing."""
+    def _stand(self) -> "_Decided":
+        """After a fault: the emergency stop that was asked for; else hold, if this session has control."""
         state = self._perception.state
-        holds = state is not None and state.holder == self.session
+        holds: CommandMode | None = "hold" if state is not None and state.holder == self.session else None
         reason = f"fault: {self.fault}"
-        return _Decided(Decision("hold" if holds else None, reason), reason, ZERO)
+        return _Decided(Decision("estop" if self._supervision.estop else holds, reason), reason, ZERO)
 
     def _take(self, packet: Packet) -> None:
         state = self._perception.take(packet)
@@ -350,6 +350,7 @@ class OperatorNode:
             mind.filter.stand_still()
             return None, self._beyond_limits(mind.robot) or STALE_STATE
         filtered = mind.filter.filter(ahead)
+        checked_plan(filtered.plan, self.scenario.controller.horizon)
         return filtered, filtered.reason
 
     def _velocities(self, filtered: Filtered | None) -> tuple[Vector3, ...]:

@@ -2,9 +2,11 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from farhand.common.errors import FarhandError
+from farhand.operator_side.control.controller import ControlSolution, Status
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.faults import checked_margin, checked_steering
 from farhand.operator_side.margins.law import Margin, MarginLaw
@@ -76,7 +78,7 @@ def test_a_controller_that_raises_in_mid_drive_is_followed_by_zeros():
     answer = controller.answer
 
     def later(problem):
-        if len(controller.problems) > 2:
+        if len(controller.problems) == 3:  # once only: it must not drive on afterwards
             raise ZeroDivisionError("singular")
         return answer
 
@@ -86,6 +88,21 @@ def test_a_controller_that_raises_in_mid_drive_is_followed_by_zeros():
     assert not any(commands[-1].velocity)
     assert not any(map(any, commands[-1].plan))
     assert "ZeroDivisionError: singular" in node.report.stop_reason
+
+
+@pytest.mark.parametrize("plan", [np.full((10, 3), math.nan), np.zeros((2, 3)), np.zeros(3)])
+def test_a_plan_that_is_none_is_never_sent(plan):
+    controller = ScriptedController(ControlSolution(plan, Status.OPTIMAL), settings=ControllerSettings())
+    commands, node = drive(controller=controller)
+    assert {command.mode for command in commands} == {"hold"}
+    assert node.report.stop_reason.startswith("fault: ")
+
+
+def test_an_emergency_stop_goes_out_after_a_fault_too():
+    _, node = drive(device=Breaking())
+    node.emergency_stop()
+    node.step(14 * P)
+    assert node._link.take("command")[-1].mode == "estop"
 
 
 @pytest.mark.parametrize(
