@@ -185,6 +185,17 @@ class OperatorNode:
         """Whether an emergency stop that was asked for is not confirmed yet."""
         return self._supervision.estop
 
+    def acknowledge(self) -> None:
+        """Acknowledge the stop that the newest state shows, from the next tick on until the robot has left it."""
+        state = self._perception.state
+        if state is not None:
+            self._supervision.clear(state)
+
+    @property
+    def clearing(self) -> bool:
+        """Whether a stop that was to be acknowledged is not over yet."""
+        return self._supervision.clearing is not None
+
     def step(self, now_ns: int) -> int:
         """One tick if it is due; returns the instant of the next."""
         periods = self._ticks.due(now_ns)

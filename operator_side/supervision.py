@@ -10,7 +10,7 @@
 | this session waited, control is free but was not released, the operator acknowledges | acknowledge |
 | the same, the operator does not acknowledge | nothing is sent |
 | the operator hands control over to one that waits | release, with the successor |
-| the robot is stopped and the operator acknowledges | acknowledge |
+| the robot is stopped and the operator acknowledges, or somebody on this host | acknowledge |
 | the robot is stopped or estopped | hold |
 | nobody holds control | acknowledge, which asks for it |
 | the device is not engaged | hold |
@@ -21,8 +21,9 @@ it lost its link, or was restarted). Control that another one lost in silence, o
 taken only if a person decides it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.command import CommandMode
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.device import SteeringInput
@@ -117,6 +118,8 @@ class Supervision:
         successor: the session to hand over to; 0: none.
         twins: whether two robots of one name send states.
         estop: whether somebody asked for an emergency stop that the robot has not confirmed yet.
+        clearing: the robot's mode and its count of stops, of the one stop that somebody asked to be acknowledged;
+            None: nobody did, or it is over.
     """
 
     def __init__(self, session: int, name: str) -> None:
@@ -126,6 +129,11 @@ class Supervision:
         self.successor = 0
         self.twins = False
         self.estop = False
+        self.clearing: tuple[SafetyMode, int] | None = None
+
+    def clear(self, state: RobotState) -> None:
+        """Acknowledge the stop that `state` shows, and no later one, until the robot has left it."""
+        self.clearing = state.mode, state.stops
 
     def step(
         self, state: RobotState | None, lacking: str, steering: SteeringInput | None, now_ns: int
@@ -137,6 +145,8 @@ class Supervision:
             self.estop = False  # the robot has latched it; from here on an acknowledgement counts
         if self.estop:
             return Decision("estop", "emergency stop, asked for by `farhand estop`")
+        if self.clearing is not None and steering is not None:
+            steering = replace(steering, acknowledge=True)
         me = Seat(self._session, self._name, self._waited_for, self.successor)
         decision = decide(state, lacking, steering, me)
         if state is not None and self.twins and decision.mode not in (None, "estop"):
@@ -149,10 +159,12 @@ class Supervision:
         return decision
 
     def _look(self, state: RobotState) -> None:
-        """Note whom this session waits for, and whether a handover is over, or its successor gone."""
+        """Note whom this session waits for, and whether a handover or an acknowledgement is over."""
         if state.holder == self._session:
             self._waited_for = ""
         elif state.holder and state.holder_name != self._name:
             self._waited_for = holder_name(state)
         if state.holder != self._session or self.successor not in dict(state.waiting):
             self.successor = 0
+        if state.holder != self._session or (state.mode, state.stops) != self.clearing:
+            self.clearing = None

@@ -11,12 +11,14 @@ LOOK_EVERY = 0.25
 _MEANINGS = {
     "foreign-session": "another session holds control",
     "held": "asks for control that another one holds",
+    "late-release": "gives up control that it does not hold",
     "no-successor": "hands control over to one that does not wait for it",
     "old-seq": "not newer than the last: replayed or overtaken",
     "stale": "built on a state that is too old",
     "no-echo": "built on no state of this robot",
     "foreign-echo": "built on a state of another start of this robot",
     "stopped": "the robot is stopped and was not acknowledged",
+    "unseen-stop": "acknowledges a stop that it had not seen",
     "too-fast": "faster than safety.max_speed",
     "flood": "more at once than are looked at",
 }

@@ -54,6 +54,11 @@ def estop_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/estop"
 
 
+def acknowledge_key(robot: str) -> str:
+    """Queryable of an operator's program, on its own host: acknowledge the robot's stop."""
+    return f"{PREFIX}/{robot}/acknowledge"
+
+
 def alive_key(robot: str, role: str) -> str:
     """Liveliness token of a program: role is operator, robot or netem (whose robot is `netem`)."""
     return f"{PREFIX}/{robot}/alive/{role}"

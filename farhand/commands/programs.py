@@ -164,6 +164,26 @@ def estop(
     raise typer.Exit(emergency_stop(robot, connect or [], tls, router))
 
 
+def acknowledge(
+    robot: RobotOption = "ur5",
+    connect: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Endpoint of an operator's --report, the robot, or the emulator (default: all of this host)."
+        ),
+    ] = None,
+    tls: TlsOption = "",
+    router: RouterOption = False,
+) -> None:
+    """Clear a robot's latched stop, and no more: the operator in control acknowledges it, and drives as before.
+
+    Exit code 0: the robot left its stop. 1: it did not, and why is said. 2: bad input.
+    """
+    from farhand.site.acknowledge import acknowledge as clear
+
+    raise typer.Exit(clear(robot, connect or [], tls, router))
+
+
 def robots(
     connect: ConnectOption = None,
     tls: TlsOption = "",
@@ -226,5 +246,5 @@ def tap(
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (operator, robot, handover, estop, robots, doctor, watch, tap):
+    for command in (operator, robot, handover, estop, acknowledge, robots, doctor, watch, tap):
         app.command()(command)

@@ -35,6 +35,7 @@ from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, versions
 from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario, scenario_to_table
+from farhand.site.acknowledge import AcknowledgeServer
 from farhand.site.estop import EstopServer
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
@@ -159,6 +160,8 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         if report_session is not None:
             stopper = EstopServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(stopper.close)
+            clearer = AcknowledgeServer(node, slot, clock, report_session, robot, teller.say)
+            closing.callback(clearer.close)
         recorder = _recorder(options, scenario, identity, controller.settings.solver)
         if recorder is not None:
             closing.callback(recorder.close)

@@ -128,7 +128,10 @@ def emergency_stop(robot: str, connect: Sequence[str], tls: str, router: bool = 
             f"NOT CONFIRMED: robot {robot!r} has not said in {PATIENCE:g} s that it stopped; tried {tried}",
         )
         return 1
-    print(f"{robot} is stopped ({reason}); only an acknowledgement of who holds control leads out of it")
+    print(
+        f"{robot} is stopped ({reason}); only an acknowledgement leads out of it: at the device of who holds "
+        f"control, or `farhand acknowledge --robot {robot}`"
+    )
     return 0
 
 

@@ -31,7 +31,7 @@ from farhand.netem.impairments.pareto import Pareto
 from farhand.netem.impairments.paretonormal import ParetoNormal
 from farhand.netem.impairments.rate import Rate
 from farhand.netem.impairments.reorder import Reorder
-from farhand.netem.impairments.slot import Slot
+from farhand.netem.impairments.slot import DrawnSlot, Slot
 from farhand.netem.impairments.uniform import Uniform
 from farhand.netem.spec import Spec
 from farhand.netem.tc.tables import Table, empirical_table, mean_sd_table, model_of, model_table
@@ -169,7 +169,14 @@ def _reorder(word: Reorder, direction: str) -> KernelNetwork:
 
 def _slot(word: Slot, direction: str) -> KernelNetwork:
     count = ("packets", str(word.count)) if word.count else ()
-    return KernelNetwork(("slot", _time(word.shortest_ns), _time(word.longest_ns), *count))
+    size = ("bytes", str(word.size)) if word.size else ()
+    return KernelNetwork(("slot", _time(word.shortest_ns), _time(word.longest_ns), *count, *size))
+
+
+def _drawn_slot(word: DrawnSlot, direction: str) -> KernelNetwork:
+    raise _refusal(
+        word.text(), "takes a distribution of slots from files of its own, which are not written here"
+    )
 
 
 def _limit(word: Limit, direction: str) -> KernelNetwork:
@@ -195,6 +202,7 @@ _ARGUMENTS: dict[type[Word], Callable[[Any, str], KernelNetwork]] = {
     Rate: _rate,
     Reorder: _reorder,
     Slot: _slot,
+    DrawnSlot: _drawn_slot,
     Limit: _limit,
 }
 """By the very type: a word that somebody derived from one of these may do something else, and is refused."""

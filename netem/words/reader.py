@@ -161,6 +161,13 @@ class SpecReader:
             self.fail(f"{what} must be above 0", start)
         return found
 
+    def optional_size(self) -> int:
+        """Read a size if one with its unit is next; 0 otherwise."""
+        number = _NUMBER.match(self.text, self.position)
+        if number is None or _SIZE_UNIT.match(self.text, number.end()) is None:
+            return 0
+        return self.size("the size")
+
     def count(self, what: str) -> int:
         """Read a whole number >= 1."""
         start = self.position

@@ -30,7 +30,8 @@ def looks_like_tc(name: str, rest: str) -> bool:
     follows = rest.split(maxsplit=1)
     if name not in _TC_NAMES or not rest[:1].isspace() or not follows:
         return False
-    return bool(_NUMBER.match(follows[0])) or follows[0] in ("random", "state", "gemodel", *_DISTRIBUTIONS)
+    known = ("random", "state", "gemodel", "distribution", *_DISTRIBUTIONS)
+    return bool(_NUMBER.match(follows[0])) or follows[0] in known
 
 
 def in_our_words(text: str) -> str:
@@ -39,7 +40,7 @@ def in_our_words(text: str) -> str:
     found: dict[str, str] = {}
     while tokens:
         name = tokens.pop(0)
-        values = []
+        values = [tokens.pop(0)] if name == "slot" and tokens[:1] == ["distribution"] else []
         while tokens and tokens[0] not in _TC_NAMES:
             values.append(tokens.pop(0))
         said = _said(name, values, found)
@@ -64,9 +65,27 @@ def _said(name: str, values: list[str], found: dict[str, str]) -> str:
         return f"{name}:{values[0]}"
     if name == "reorder" and 1 <= len(values) <= 2:
         return f"reorder:gap(1,{','.join(map(_percent, values))})"
-    if name == "slot" and 1 <= len(values) <= 2:
-        return f"slot:{','.join(values)}"
-    return ""
+    return _slot(values) if name == "slot" else ""
+
+
+def _slot(values: list[str]) -> str:
+    bounds: dict[str, str] = {}
+    while len(values) > 2 and values[-2] in ("packets", "bytes") and values[-1].isdigit():
+        bounds[values[-2]], values = values[-1], values[:-2]
+    told = [bounds["packets"]] if "packets" in bounds else []
+    told += [f"{bounds['bytes']}B"] if "bytes" in bounds else []
+    if values[:1] == ["distribution"]:
+        fits = len(values) == 4 and values[1] in _DISTRIBUTIONS
+        times = [_in_ms(value) for value in values[2:]]
+        if not fits or None in times:
+            return ""
+        return f"slot:{values[1]}({','.join([*(f'{ms:g}' for ms in times), *told])})"
+    times = [_in_ms(value) for value in values]
+    if not 1 <= len(values) <= 2 or None in times:
+        return ""
+    if len(times) == 1 and "packets" in bounds:
+        times *= 2
+    return f"slot:{','.join([*(f'{ms:g}' for ms in times), *told])}"
 
 
 def _delay(values: list[str]) -> str:

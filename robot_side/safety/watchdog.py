@@ -38,7 +38,9 @@ class Watchdog:
 
     A `run` command is good if it comes from the session in control, is newer than the last one, echoes a
     message of this robot session that is at most `max_age` old, and is within `max_speed`. A `hold` needs
-    no echo, since all it can do is brake; it keeps the connection alive. An `estop` is obeyed from anyone.
+    no echo, since all it can do is brake; it keeps the connection alive. An `estop` is obeyed from anyone. An
+    `acknowledge` clears only a stop that the state shows on which it is built: one already under way, or sent
+    again, clears none that its sender has not seen.
 
     Args:
         settings: limits.
@@ -62,6 +64,7 @@ class Watchdog:
         self._stop_timeout_ns = to_ns(settings.stop_timeout)
         self._player = PlanPlayer()
         self._newest_seq: OrderedDict[int, int] = OrderedDict()
+        self._stopped_ns = 0  # since when the latched stop is there
         self._good_ns: int | None = None  # the last good command; None while nobody is expected to send
         self.lease = ControlLease(to_ns(settings.lease_timeout))
         self.mode: SafetyMode = "hold"
@@ -125,7 +128,7 @@ class Watchdog:
         if self._is_old(command):
             return "old-seq"
         if free and command.mode == "release":
-            return "foreign-session"
+            return "late-release"
         unfit = self._unfitness(command, now_ns)
         if free and unfit:
             return unfit
@@ -141,6 +144,8 @@ class Watchdog:
             return unfit
         if command.mode == "release":
             return "" if self.lease.waits(command.successor, now_ns) else "no-successor"
+        if command.mode == "acknowledge":
+            return "unseen-stop" if self.latched and self._is_before_stop(command) else ""
         if command.mode != "run":
             return ""
         if self.latched:
@@ -174,6 +179,9 @@ class Watchdog:
         ended by silence, or clear a stop for the one who was handed control.
         """
         return command.echo is not None and command.echo.t_sent_ns < self.lease.since_ns
+
+    def _is_before_stop(self, command: VelocityCommand) -> bool:
+        return command.echo is not None and command.echo.t_sent_ns < self._stopped_ns
 
     def _staleness(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is not built on a recent state of this robot session, or an empty string."""
@@ -227,6 +235,8 @@ class Watchdog:
         self._player.clear()
         if not self.latched:
             self.stops += 1
+        if mode != self.mode:
+            self._stopped_ns = now_ns
         self._enter(mode, reason, now_ns)
 
     def _enter(self, mode: SafetyMode, reason: str, now_ns: int) -> None:
@@ -238,6 +248,8 @@ class Watchdog:
 
 def _outside(command: VelocityCommand) -> str:
     """The reason to refuse what comes from outside the lease."""
+    if command.mode == "release":
+        return "late-release"
     return "held" if command.mode == "acknowledge" else "foreign-session"
 
 

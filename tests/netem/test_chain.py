@@ -2,6 +2,7 @@
 
 import itertools
 
+import numpy as np
 import pytest
 
 from farhand.common.errors import TraceError
@@ -80,6 +81,29 @@ def test_random_slots_lie_as_far_apart_as_stated():
     assert min(gaps) >= 20
     assert max(gaps) <= 30
     assert 24 < sum(gaps) / len(gaps) < 26
+
+
+@pytest.mark.parametrize("name", ["normal", "pareto", "paretonormal"])
+def test_slots_of_a_distribution_lie_as_it_says(name):
+    instants = sorted(set(released_ms(run(f"slot:{name}(20,4)", [n * 5 for n in range(40_000)]))))
+    gaps = np.diff(instants)
+    assert gaps.mean() == pytest.approx(20, abs=0.3)
+    assert gaps.std() == pytest.approx(4, abs=0.7)
+    assert (gaps < 14).any() == (name == "normal")  # the others have a shortest one
+
+
+def test_a_spacing_drawn_below_nothing_is_the_smallest():
+    instants = released_ms(run("slot:normal(0.02,1)", range(50)))
+    assert instants == sorted(instants)
+
+
+def test_a_slot_is_full_with_the_message_that_reaches_its_bytes():
+    size = run("none", [0])[0][0].size
+    over = released_ms(run(f"slot:20,{size + 1}B", [0, 1, 2, 3, 4]))
+    assert over == [0, 20, 20, 40, 40]
+    assert released_ms(run(f"slot:20,20,9,{size}B", [0, 1, 2])) == [0, 20, 40]
+    assert released_ms(run(f"slot:20,20,1,{9 * size}B", [0, 1, 2])) == [0, 20, 40]
+    assert released_ms(run(f"slot:normal(20,0,{size + 1}B)", [0, 1, 2, 3, 4])) == over
 
 
 def test_slots_survive_a_long_silence():

@@ -18,7 +18,7 @@ losses = st.one_of(
     st.builds("loss:gilbert({},{})".format, percentages, percentages),
 )
 others = st.sampled_from(
-    ["rate:2.5mbit", "slot:3,7", "reorder:in-order", "tcp-like", "outage:random(3s,0.25s)"]
+    ["rate:2.5mbit", "slot:3,7,2,900B", "reorder:in-order", "tcp-like", "outage:random(3s,0.25s)"]
 )
 words = st.one_of(st.builds("{} {}".format, delays, losses), delays, losses, others)
 specs = st.one_of(

@@ -59,6 +59,7 @@ def words(text: str) -> str:
         ("rate:2mbit", "rate 2000000bit"),
         ("slot:20", "slot 20ms 20ms"),
         ("slot:20,30,4", "slot 20ms 30ms packets 4"),
+        ("slot:20,30,4,64kB", "slot 20ms 30ms packets 4 bytes 64000"),
         ("constant:10 reorder:gap(5,50%)", "delay 10ms reorder 50% gap 5"),
         ("gaussian:50,20 loss:1%", "loss random 1% delay 50ms 20ms distribution farhand"),
     ],
@@ -86,6 +87,7 @@ def test_words_of_a_spec_become_those_of_tc(spec, expected):
         "corrupt:0.1%,10%",
         "constant:10 reorder:gap(5,50%,25%)",
         "loss:trace(delays.csv)",
+        "slot:normal(20,5)",
     ],
 )
 def test_what_tc_has_not_is_refused_and_never_left_out(spec):

@@ -20,7 +20,16 @@ from farhand.netem.words.tc_words import in_our_words
         ("duplicate 1 corrupt 0.1%", "duplicate:1% corrupt:0.1%"),
         ("delay 10ms reorder 25% 50% gap 5", "constant:10 reorder:gap(5,25%,50%)"),
         ("rate 2mbit limit 100", "rate:2mbit limit:100"),
-        ("slot 20ms 30ms", "slot:20ms,30ms"),
+        ("slot 20ms 30ms", "slot:20,30"),
+        ("slot 800us", "slot:0.8"),
+        ("slot 20ms packets 4", "slot:20,20,4"),
+        ("slot 20ms 30ms bytes 64000 packets 4", "slot:20,30,4,64000B"),
+        ("slot 20ms bytes 64000 loss 1%", "slot:20,64000B loss:1%"),
+        ("slot distribution normal 20ms 5ms", "slot:normal(20,5)"),
+        (
+            "slot distribution pareto 20ms 5ms packets 4 bytes 9000 delay 10ms",
+            "slot:pareto(20,5,4,9000B) constant:10",
+        ),
     ],
 )
 def test_each_is_told_and_what_is_told_is_a_spec(theirs, ours):

@@ -29,6 +29,7 @@ class WatchdogMachine(RuleBasedStateMachine):
         # The model of the lease: who has it, when it was last heard, who asked when, and since when all know.
         self.holder, self.heard, self.since = 0, 0, 0
         self.asked = {}
+        self.mode, self.stopped = "hold", 0  # as after the last rule; when the latched stop began
 
     def command(self, session, mode, *, age_ms=50, seq=None, velocity=(0.1, 0.0, 0.0), echo=True, **fields):
         """The session's next command, built on a state that is `age_ms` old."""
@@ -102,8 +103,9 @@ class WatchdogMachine(RuleBasedStateMachine):
     def acknowledge(self, session, age_ms):
         asks, held = self.holder not in (0, session), self.watchdog.refused["held"]
         mine = self.take(session, self.knows(age_ms))
+        seen = self.mode not in LATCHED or self.now - age_ms * MS >= self.stopped
         obeyed = self.give(self.command(session, "acknowledge", age_ms=age_ms))
-        assert obeyed == (mine and self.knows(age_ms))
+        assert obeyed == (mine and self.knows(age_ms) and seen)
         if asks and age_ms <= 1000:
             self.asked[session] = self.now
             assert self.watchdog.refused["held"] == held + 1
@@ -174,6 +176,12 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.now += ms * MS
         self.tick()
         assert self.watchdog.lease.holder == 0
+
+    @invariant()
+    def remember_the_stop(self):
+        if self.watchdog.mode != self.mode and self.watchdog.mode in LATCHED:
+            self.stopped = self.now
+        self.mode = self.watchdog.mode
 
     @invariant()
     def the_lease_is_who_the_model_says(self):

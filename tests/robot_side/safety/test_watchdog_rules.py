@@ -92,7 +92,7 @@ def test_holding_operator_is_alive(watchdog):
         (command(2, velocity=(0.0, -2.01, 0.0)), "too-fast"),
         (command(2, plan=((0.0, 0.0, 2.01),)), "too-fast"),
         (command(2, "acknowledge", age_ms=1001), "stale"),
-        (command(2, "release", session=8), "foreign-session"),
+        (command(2, "release", session=8), "late-release"),
     ],
 )
 def test_refusal_is_counted_and_moves_nothing(watchdog, bad, reason):
@@ -118,8 +118,40 @@ def test_estop_latches_from_anyone_and_only_the_holder_leads_out(watchdog):
     assert not watchdog.receive(command(1, "acknowledge", session=99), START)
     assert watchdog.mode == "estop"
     assert not watchdog.receive(command(2), START)
-    assert watchdog.receive(command(3, "acknowledge"), START)
+    assert watchdog.receive(command(3, "acknowledge", age_ms=0), START)
     assert watchdog.mode == "hold"
+
+
+@pytest.mark.parametrize("how", ["fault", "estop"])
+def test_an_acknowledgement_clears_only_a_stop_that_its_sender_has_seen(watchdog, how):
+    """It may be under way for as long as the network likes, or be the answer to an earlier stop."""
+
+    def stop(now):
+        if how == "fault":
+            watchdog.fault("it broke", now)
+        else:
+            watchdog.receive(command(0, "estop", session=99, echo=False), now)
+
+    watchdog.receive(command(1), START)
+    stop(START)
+    later = START + 100 * MS
+    assert not watchdog.receive(command(2, "acknowledge", now=later, age_ms=101), later)
+    assert watchdog.latched
+    assert watchdog.refused == {"unseen-stop": 1}
+    stop(later)  # the same stop again is not another one
+    assert watchdog.receive(command(3, "acknowledge", now=later, age_ms=100), later)
+    stop(later)
+    assert not watchdog.receive(command(4, "acknowledge", now=later, age_ms=100), later)
+    assert watchdog.latched
+
+
+def test_a_release_that_comes_late_is_called_what_it_is(watchdog):
+    watchdog.receive(command(1), START)
+    assert watchdog.receive(command(2, "release"), START)
+    assert not watchdog.receive(command(3, "release", age_ms=0), START)
+    assert watchdog.receive(command(1, "hold", session=8, age_ms=0), START)
+    assert not watchdog.receive(command(4, "release", age_ms=0), START)
+    assert watchdog.refused == {"late-release": 2}
 
 
 def test_handover_is_explicit_and_old_commands_stay_dead(watchdog):
@@ -230,7 +262,7 @@ def test_a_successor_that_is_never_heard_loses_control_by_itself(asked):
         (command(2, "release", successor=7), "no-successor"),
         (command(2, "release", successor=8, age_ms=1001), "stale"),
         (command(2, "release", successor=8, echo=False), "no-echo"),
-        (command(2, "release", successor=9, session=8), "foreign-session"),
+        (command(2, "release", successor=9, session=8), "late-release"),
     ],
 )
 def test_a_handover_that_is_none_leaves_control_where_it_is(asked, bad, reason):
