@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from farhand.common.errors import FarhandError as FarhandError
     from farhand.common.errors import InputError as InputError
     from farhand.common.errors import ScenarioError as ScenarioError
+    from farhand.common.geometry import Twist as Twist
     from farhand.common.link.link import Packet as Packet
     from farhand.common.messages.base import Vector3 as Vector3
     from farhand.common.messages.command import VelocityCommand as VelocityCommand
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from farhand.common.scenario.section import NoSettings as NoSettings
     from farhand.common.scenario.section import Section as Section
     from farhand.common.scenario.section import own_settings as own_settings
+    from farhand.common.shapes.surroundings import Surroundings as Surroundings
     from farhand.laboratory.simulation import SimulationResult as SimulationResult
     from farhand.laboratory.simulation import simulate as simulate
     from farhand.laboratory.simulation import simulate_run as simulate_run
@@ -76,6 +78,7 @@ _HOME = {
     "FarhandError": "common.errors",
     "ScenarioError": "common.errors",
     "InputError": "common.errors",
+    "Twist": "common.geometry",
     "Packet": "common.link.link",
     "Vector3": "common.messages.base",
     "VelocityCommand": "common.messages.command",
@@ -86,6 +89,7 @@ _HOME = {
     "NoSettings": "common.scenario.section",
     "Section": "common.scenario.section",
     "own_settings": "common.scenario.section",
+    "Surroundings": "common.shapes.surroundings",
     "SimulationResult": "laboratory.simulation",
     "simulate": "laboratory.simulation",
     "simulate_run": "laboratory.simulation",

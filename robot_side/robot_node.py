@@ -14,8 +14,9 @@ from collections.abc import Sequence
 
 import msgspec
 
+from farhand.common.geometry import STILL
 from farhand.common.link.link import Link, Packet
-from farhand.common.messages.base import ZERO, SafetyMode
+from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.codec import encode
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import description_key, scene_key, state_key
@@ -175,14 +176,14 @@ class RobotNode:
 
     def _move(self, now_ns: int) -> None:
         # The one place between what the operator may ask for and what the robot does.
-        self._robot.step(self.watchdog.velocity(now_ns), self._dt)
+        self._robot.step(self.watchdog.twist(now_ns), self._dt)
         self._stepped += 1
 
     def _stand_still(self, error: Exception, now_ns: int) -> None:
         """Latch a stop, and still try to brake."""
         self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
         try:
-            self._robot.step(ZERO, self._dt)
+            self._robot.step(STILL, self._dt)
         except Exception:
             return  # it cannot even be told to stand still; the fault says so to the operator
 
@@ -220,6 +221,7 @@ class RobotNode:
             position=sample.position,
             velocity=sample.velocity,
             orientation=sample.orientation,
+            angular_velocity=sample.angular_velocity,
             joints=sample.joints,
             applied_session=watchdog.applied_session,
             applied_seq=watchdog.applied_seq,
@@ -276,10 +278,12 @@ class RobotNode:
             rate_hz=settings.rate_hz,
             state_rate_hz=settings.state_rate_hz,
             max_speed=safety.max_speed,
+            max_angular_speed=safety.max_angular_speed,
             max_age=safety.max_age,
             command_timeout=safety.command_timeout,
         )
 
 
 def _finite(sample: RobotSample) -> bool:
-    return math.isfinite(sum(sample.position) + sum(sample.velocity) + sum(sample.joints))
+    linear = sum(sample.position) + sum(sample.velocity) + sum(sample.joints)
+    return math.isfinite(linear + sum(sample.orientation) + sum(sample.angular_velocity))

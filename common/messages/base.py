@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta, Struct
 
-SCHEMA = 3
+SCHEMA = 4
 
 # Magnitudes beyond this are refused as nonsense: no position in m or velocity in m/s comes near it.
 Real = Annotated[float, Meta(ge=-1e6, le=1e6)]

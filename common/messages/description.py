@@ -20,6 +20,7 @@ class RobotDescription(Message, frozen=True, kw_only=True):
         rate_hz: of its control loop.
         state_rate_hz: of its states.
         max_speed: commands faster than this in any axis are refused (m/s).
+        max_angular_speed: commands that turn the tool faster than this are refused (rad/s).
         max_age: commands built on a state older than this are refused (s).
         command_timeout: without a good command for this long it holds (s).
     """
@@ -32,6 +33,7 @@ class RobotDescription(Message, frozen=True, kw_only=True):
     rate_hz: Positive
     state_rate_hz: Positive
     max_speed: Positive
+    max_angular_speed: Positive = 2.0
     max_age: Positive
     command_timeout: Positive
 

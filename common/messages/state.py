@@ -31,6 +31,7 @@ class RobotState(Message, frozen=True, kw_only=True):
         t_sample_ns: when the state was sampled, robot clock.
         position, velocity: of the tool (m, m/s).
         orientation: of the tool.
+        angular_velocity: of the tool, about base's axes (rad/s).
         joints: joint positions (rad).
         applied_session, applied_seq: the command now applied (0, 0: none yet).
         applied_for_ns: for how long it has been applied at `t_sample_ns`.
@@ -54,6 +55,7 @@ class RobotState(Message, frozen=True, kw_only=True):
     position: Vector3
     velocity: Vector3
     orientation: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    angular_velocity: Vector3 = (0.0, 0.0, 0.0)
     joints: Annotated[tuple[Real, ...], Meta(max_length=MAX_JOINTS)] = ()
     applied_session: Stamp = 0
     applied_seq: Stamp = 0

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
+from farhand.common.geometry import Twist, turned
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
+from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 
@@ -15,7 +17,7 @@ FOR_EVER = 1 << 62
 
 
 class ScriptedRobot(Robot):
-    """Follows every commanded velocity at once, unless the test says where it is or what breaks.
+    """Follows every commanded twist at once, unless the test says where it is or what breaks.
 
     Args:
         position: of the tool at the start (m).
@@ -23,12 +25,16 @@ class ScriptedRobot(Robot):
 
     Attributes:
         told: every (velocity in m/s, dt in s) that `step` was given and did not fail in.
+        turned: the angular velocities (rad/s) that it was given with them.
+        surroundings: what it was given last to keep clear of; None: no guard.
         stuck: while it holds, commands move nothing.
         closed: how often `close` was called.
     """
 
     def __init__(self, position: Vector3 = (0.0, 0.0, 0.0), clearance: float | None = None) -> None:
         self.told: list[tuple[Vector3, float]] = []
+        self.turned: list[Vector3] = []
+        self.surroundings: Surroundings | None = None
         self.stuck = False
         self.closed = 0
         self.clearance = clearance
@@ -55,13 +61,23 @@ class ScriptedRobot(Robot):
         self._fail("sample")
         return self._sample
 
-    def step(self, velocity: Vector3, dt: float) -> None:
-        """Move for `dt` s with the velocity, unless it is stuck."""
+    def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
+        """Move for `dt` s with the twist, unless it is stuck."""
         self._fail("step")
+        velocity, angular = twist
         self.told.append((velocity, dt))
+        self.turned.append(angular)
+        self.surroundings = surroundings
         if not self.stuck:
             x, y, z = (p + v * dt for p, v in zip(self._sample.position, velocity, strict=True))
-            self._sample = replace(self._sample, position=(x, y, z), velocity=velocity)
+            a, b, c = (rate * dt for rate in angular)
+            self._sample = replace(
+                self._sample,
+                position=(x, y, z),
+                velocity=velocity,
+                orientation=turned(self._sample.orientation, (a, b, c)),
+                angular_velocity=angular,
+            )
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
         """What the test says."""

@@ -5,10 +5,10 @@ A small quadratic program in (q', s), solved at every control period:
     min  100 |J_lin q' - s v|^2 + 100 |J_ang q' - w|^2 + |v|^2 (1 - s)^2 + damping |q'|^2
     s.t. 0 <= s <= 1,  q' within JointBounds,
 
-w = 4 log3(R_d R^T). Where the arm cannot follow it gives up speed (s) before it gives up direction, so
-that near singularities and limits the tool stays on the commanded line. Damping holds back what drives further
-into a singularity, and not what leads out of it: there it would outweigh the speed a thousandfold, and the arm
-would stick (see `escape`).
+w = w_c + 4 log3(R_d R^T), w_c the commanded turning, which R_d follows (orientation.py). Where the arm cannot
+follow it gives up speed (s) before it gives up direction, so that near singularities and limits the tool stays on
+the commanded line. Damping holds back what drives further into a singularity, and not what leads out of it: there
+it would outweigh the speed a thousandfold, and the arm would stick (see `escape`).
 """
 
 from typing import Protocol
@@ -28,13 +28,26 @@ MAX_DAMPING = 0.05
 PLAIN = 0.2
 """Cosine to the gradient of the smallest singular value from which a motion leads out of a singularity plainly."""
 _LEAST_SPEED_WEIGHT = 1e-6
+_NO_TURN: Array = np.zeros(3)
 
 
 class VelocityControl(Protocol):
-    """A law from tool velocity to joint velocities. Nothing throws."""
+    """A law from a twist of the tool to joint velocities. Nothing throws.
+
+    Attributes:
+        R_base_wanted: (3, 3) orientation that the tool keeps; assign to it to turn the tool.
+    """
+
+    R_base_wanted: Array
 
     def joint_velocity(
-        self, q: Array, previous: Array, tool: ToolKinematics, v_tool_in_base: Array, dt: float
+        self,
+        q: Array,
+        previous: Array,
+        tool: ToolKinematics,
+        v_tool_in_base: Array,
+        dt: float,
+        omega_in_base: Array = _NO_TURN,
     ) -> Array:
         """Joint velocities to command now (6,), rad/s.
 
@@ -44,6 +57,7 @@ class VelocityControl(Protocol):
             tool: kinematics at q.
             v_tool_in_base: (3,) wanted tool velocity (m/s).
             dt: control period (s).
+            omega_in_base: (3,) commanded angular velocity of the tool (rad/s).
         """
         ...
 
@@ -61,7 +75,7 @@ class DirectionKeeping:
 
     def __init__(self, bounds: JointBounds, R_base_wanted: Array) -> None:
         self._bounds = bounds
-        self._R_base_wanted = R_base_wanted
+        self.R_base_wanted = R_base_wanted
         self._H = np.zeros((7, 7))
         self._f = np.zeros(7)
         self._low, self._high = np.zeros(7), np.ones(7)
@@ -70,11 +84,17 @@ class DirectionKeeping:
         self.failures = 0
 
     def joint_velocity(
-        self, q: Array, previous: Array, tool: ToolKinematics, v_tool_in_base: Array, dt: float
+        self,
+        q: Array,
+        previous: Array,
+        tool: ToolKinematics,
+        v_tool_in_base: Array,
+        dt: float,
+        omega_in_base: Array = _NO_TURN,
     ) -> Array:
         """See VelocityControl."""
         low, high = self._bounds.at(q, previous, dt)
-        omega = ORIENTATION_GAIN * rotation_error(self._R_base_wanted, tool.R_base_tool)
+        omega = omega_in_base + ORIENTATION_GAIN * rotation_error(self.R_base_wanted, tool.R_base_tool)
         J_lin, J_ang = tool.jacobian[:3], tool.jacobian[3:]
         v = v_tool_in_base
         speed_squared = float(v @ v)
@@ -107,14 +127,20 @@ class DampedLeastSquares:
     def __init__(self, bounds: JointBounds, max_velocity: Array, R_base_wanted: Array) -> None:
         self._bounds = bounds
         self._max_velocity = max_velocity
-        self._R_base_wanted = R_base_wanted
+        self.R_base_wanted = R_base_wanted
 
     def joint_velocity(
-        self, q: Array, previous: Array, tool: ToolKinematics, v_tool_in_base: Array, dt: float
+        self,
+        q: Array,
+        previous: Array,
+        tool: ToolKinematics,
+        v_tool_in_base: Array,
+        dt: float,
+        omega_in_base: Array = _NO_TURN,
     ) -> Array:
         """See VelocityControl."""
         low, high = self._bounds.at(q, previous, dt)
-        omega = ORIENTATION_GAIN * rotation_error(self._R_base_wanted, tool.R_base_tool)
+        omega = omega_in_base + ORIENTATION_GAIN * rotation_error(self.R_base_wanted, tool.R_base_tool)
         J = tool.jacobian
         least = _LEAST_SPEED_WEIGHT + damping(J)
         qd = J.T @ np.linalg.solve(J @ J.T + least * np.eye(6), np.concatenate([v_tool_in_base, omega]))

@@ -9,12 +9,14 @@ import numpy as np
 import pinocchio as pin
 
 from farhand.common.errors import ScenarioError
-from farhand.common.geometry import Array, to_vector3
+from farhand.common.geometry import Array, Twist, to_vector3
 from farhand.common.messages.scene import Obstacle
+from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import JOINTS, TORQUE_LIMITS, collision_urdf, never_colliding_pairs
+from farhand.robot_side.arm.orientation import OrientationReference
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
 from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
@@ -98,7 +100,7 @@ class ArmWorld:
 
 
 class UR5Robot(ArmWorld, Robot):
-    """Follows tool velocities with the tool kept as it points at the start: down.
+    """Follows twists of its tool, which points down at the start and is kept as it was turned last.
 
     Args:
         scenario: start, joints, velocity control, and the obstacles that the start must be clear of.
@@ -125,6 +127,7 @@ class UR5Robot(ArmWorld, Robot):
             if settings.velocity_control == "direction"
             else DampedLeastSquares(bounds, self.kinematics.max_velocity, down)
         )
+        self._orientation = OrientationReference(down)
         self._commanded: Array = np.zeros(6)
         self._wanted: Array = np.zeros(3)
         self._dt = 0.0
@@ -148,16 +151,21 @@ class UR5Robot(ArmWorld, Robot):
             to_vector3((self._tool.jacobian[:3] @ self._qd).tolist()),
             (w, x, y, z),
             tuple(self._q.tolist()),
+            to_vector3((self._tool.jacobian[3:] @ self._qd).tolist()),
         )
 
-    def step(self, velocity: Sequence[float], dt: float) -> None:
-        """One period of `dt` s under the commanded tool velocity (m/s, base)."""
+    def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
+        """One period of `dt` s under the commanded twist."""
         bullet, client = self._bullet, self._client
         if dt != self._dt:
             self._dt = dt
             bullet.setTimeStep(dt, physicsClientId=client)
-        self._wanted = np.asarray(velocity, dtype=float)
-        self._commanded = self.control.joint_velocity(self._q, self._commanded, self._tool, self._wanted, dt)
+        self._wanted, omega = np.array(twist.linear), np.array(twist.angular)
+        self._orientation.turn(omega, self._tool.R_base_tool, dt)
+        self.control.R_base_wanted = self._orientation.R_base_wanted
+        self._commanded = self.control.joint_velocity(
+            self._q, self._commanded, self._tool, self._wanted, dt, omega
+        )
         bullet.setJointMotorControlArray(
             self.body,
             self.joint_indices,

@@ -1,6 +1,10 @@
 """A free-flying box of 1 kg in PyBullet: the simulated robot of the paper (arXiv 2403.18650)."""
 
-from farhand.common.messages.base import Quaternion, Vector3
+import numpy as np
+
+from farhand.common.geometry import Twist, turn_between, turned
+from farhand.common.messages.base import ZERO, Quaternion, Vector3
+from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.robots.bullet import GRAVITY, connect
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
@@ -10,10 +14,13 @@ MASS = 1.0  # kg
 VELOCITY_GAIN = 10.0  # 1/s: force per mass and velocity error
 ATTITUDE_STIFFNESS = 400.0  # 1/s^2
 ATTITUDE_DAMPING = 40.0  # 1/s
+LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 class BoxRobot(Robot):
-    """Follows the velocity by f = m (10 (u - v) + g); a critically damped torque keeps it upright.
+    """Follows the velocity by f = m (10 (u - v) + g); a critically damped torque keeps its attitude.
+
+    The attitude to keep is level at the start; it turns as commanded, and is kept while nothing is commanded.
 
     Args:
         start: position (m).
@@ -30,6 +37,7 @@ class BoxRobot(Robot):
         bullet.changeDynamics(self._body, -1, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
         self._inertia = bullet.getDynamicsInfo(self._body, -1, physicsClientId=client)[2]
         self._dt = 0.0
+        self._attitude: Quaternion = LEVEL  # to keep
         self._read()
 
     @classmethod
@@ -39,28 +47,46 @@ class BoxRobot(Robot):
 
     def sample(self) -> RobotSample:
         """The state now."""
-        return RobotSample(self._position, self._velocity, self._orientation)
+        return RobotSample(
+            self._position, self._velocity, self._orientation, angular_velocity=self._angular_velocity
+        )
 
-    def step(self, velocity: Vector3, dt: float) -> None:
-        """One period of `dt` s under the commanded velocity (m/s)."""
+    def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
+        """One period of `dt` s under the commanded twist."""
         bullet, client, body = self._bullet, self._client, self._body
         if dt != self._dt:
             self._dt = dt
             bullet.setTimeStep(dt, physicsClientId=client)
-        force = [MASS * VELOCITY_GAIN * (u - v) for u, v in zip(velocity, self._velocity, strict=True)]
+        force = [MASS * VELOCITY_GAIN * (u - v) for u, v in zip(twist.linear, self._velocity, strict=True)]
         force[2] += MASS * GRAVITY
-        w, *axis = self._orientation
-        sign = 2.0 if w >= 0.0 else -2.0
-        # Inertia about the world's axes: the box stays upright, so that they are its own.
-        torque = [
-            inertia * (-ATTITUDE_STIFFNESS * sign * angle - ATTITUDE_DAMPING * rate)
-            for inertia, angle, rate in zip(self._inertia, axis, self._angular_velocity, strict=True)
-        ]
+        if twist.angular != ZERO:
+            x, y, z = (rate * dt for rate in twist.angular)
+            self._attitude = turned(self._attitude, (x, y, z))
+        torque = self._upright() if self._attitude == LEVEL else self._turning(twist.angular)
         frame = bullet.WORLD_FRAME
         bullet.applyExternalForce(body, -1, force, self._position, frame, physicsClientId=client)
         bullet.applyExternalTorque(body, -1, torque, frame, physicsClientId=client)
         bullet.stepSimulation(physicsClientId=client)
         self._read()
+
+    def _upright(self) -> list[float]:
+        """Torque towards level (Nm, world), whose axes the box's own then are: what it flies with unturned."""
+        w, *axis = self._orientation
+        sign = 2.0 if w >= 0.0 else -2.0
+        return [
+            inertia * (-ATTITUDE_STIFFNESS * sign * angle - ATTITUDE_DAMPING * rate)
+            for inertia, angle, rate in zip(self._inertia, axis, self._angular_velocity, strict=True)
+        ]
+
+    def _turning(self, angular: Vector3) -> list[float]:
+        """Torque towards the attitude that turns as commanded (Nm, world)."""
+        away = turn_between(self._orientation, self._attitude)
+        rates = zip(away, angular, self._angular_velocity, strict=True)
+        wanted = [ATTITUDE_STIFFNESS * e + ATTITUDE_DAMPING * (u - v) for e, u, v in rates]
+        w, x, y, z = self._orientation
+        R_world_box = np.array(self._bullet.getMatrixFromQuaternion((x, y, z, w))).reshape(3, 3)
+        own: list[float] = (R_world_box @ (np.array(self._inertia) * (R_world_box.T @ wanted))).tolist()
+        return own
 
     def close(self) -> None:
         """Disconnect from the physics engine."""

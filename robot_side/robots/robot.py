@@ -5,9 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+from farhand.common.geometry import Twist
 from farhand.common.messages.base import Quaternion, Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import NoSettings, Section
+from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.robots.settings import RobotScenario
 
 
@@ -20,16 +22,18 @@ class RobotSample:
         velocity: of the tool (m/s).
         orientation: of the tool, unit quaternion (w, x, y, z).
         joints: joint positions (rad); empty for robots without joints.
+        angular_velocity: of the tool, about base's axes (rad/s).
     """
 
     position: Vector3
     velocity: Vector3
     orientation: Quaternion = (1.0, 0.0, 0.0, 0.0)
     joints: tuple[float, ...] = ()
+    angular_velocity: Vector3 = (0.0, 0.0, 0.0)
 
 
 class Robot(ABC):
-    """A robot that follows tool velocities, one control period at a time.
+    """A robot that follows twists of its tool, one control period at a time.
 
     One small file, and one line in registry.py or an entry point in `farhand.robots`.
 
@@ -60,8 +64,14 @@ class Robot(ABC):
         """The state now."""
 
     @abstractmethod
-    def step(self, velocity: Vector3, dt: float) -> None:
-        """One period of `dt` s under the commanded tool velocity (m/s, base)."""
+    def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
+        """One period of `dt` s under the commanded twist of the tool.
+
+        Args:
+            twist: velocity of the tool and how it turns, both in base. A robot that cannot turn leaves `angular`.
+            dt: (s).
+            surroundings: what a robot with a guard of its own keeps clear of in this period; None: no guard.
+        """
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
         """Distance of the whole body to the nearest obstacle (m); None where it is not computed."""

@@ -13,6 +13,7 @@ class SafetySettings(Section, frozen=True, kw_only=True):
         stop_timeout: without a good command for this long, HOLD becomes STOPPED (s).
         lease_timeout: a silent holder loses control after this (s).
         max_speed: commands faster than this in any axis are refused (m/s).
+        max_angular_speed: commands that turn the tool faster than this, about whatever axis, are refused (rad/s).
     """
 
     max_age: Positive = 1.0
@@ -20,3 +21,4 @@ class SafetySettings(Section, frozen=True, kw_only=True):
     stop_timeout: Positive = 1.5
     lease_timeout: Positive = 2.0
     max_speed: Positive = 2.0
+    max_angular_speed: Positive = 2.0

@@ -9,7 +9,8 @@ stamp that the command echoes.
 from collections import Counter, OrderedDict, deque
 from dataclasses import dataclass
 
-from farhand.common.messages.base import ZERO, SafetyMode, Vector3
+from farhand.common.geometry import STILL, Twist, norm
+from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.timing.clock import to_ns
 from farhand.robot_side.safety.lease import ControlLease
@@ -37,10 +38,10 @@ class Watchdog:
     which showed it free. An `acknowledge` of another session asks for it: it is refused as `held`, and shown.
 
     A `run` command is good if it comes from the session in control, is newer than the last one, echoes a
-    message of this robot session that is at most `max_age` old, and is within `max_speed`. A `hold` needs
-    no echo, since all it can do is brake; it keeps the connection alive. An `estop` is obeyed from anyone. An
-    `acknowledge` clears only a stop that the state shows on which it is built: one already under way, or sent
-    again, clears none that its sender has not seen.
+    message of this robot session that is at most `max_age` old, and is within `max_speed` and
+    `max_angular_speed`. A `hold` needs no echo, since all it can do is brake; it keeps the connection alive. An
+    `estop` is obeyed from anyone. An `acknowledge` clears only a stop that the state shows on which it is built:
+    one already under way, or sent again, clears none that its sender has not seen.
 
     Args:
         settings: limits.
@@ -59,7 +60,7 @@ class Watchdog:
     def __init__(self, settings: SafetySettings, session: int) -> None:
         self._session = session
         self._max_age_ns = to_ns(settings.max_age)
-        self._max_speed = settings.max_speed
+        self._max_speed, self._max_angular_speed = settings.max_speed, settings.max_angular_speed
         self._command_timeout_ns = to_ns(settings.command_timeout)
         self._stop_timeout_ns = to_ns(settings.stop_timeout)
         self._player = PlanPlayer()
@@ -83,9 +84,9 @@ class Watchdog:
         """Whether only an acknowledgement leads on."""
         return self.mode in _LATCHED
 
-    def velocity(self, now_ns: int) -> Vector3:
-        """The tool velocity that is allowed at `now_ns` (m/s, base)."""
-        return ZERO if self.latched else self._player.velocity(now_ns)
+    def twist(self, now_ns: int) -> Twist:
+        """The twist of the tool that is allowed at `now_ns` (base)."""
+        return STILL if self.latched else self._player.twist(now_ns)
 
     def tick(self, now_ns: int) -> None:
         """Let time act: timeouts and the end of a lease."""
@@ -150,7 +151,9 @@ class Watchdog:
             return ""
         if self.latched:
             return "stopped"
-        return "too-fast" if _fastest(command) > self._max_speed else ""
+        if _fastest(command) > self._max_speed:
+            return "too-fast"
+        return "turns-too-fast" if _fastest_turn(command) > self._max_angular_speed else ""
 
     def _unfitness(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command must not move anything, or an empty string."""
@@ -259,3 +262,8 @@ def _fastest(command: VelocityCommand) -> float:
     for velocity in command.plan:
         fastest = max(fastest, *map(abs, velocity))
     return fastest
+
+
+def _fastest_turn(command: VelocityCommand) -> float:
+    """Largest magnitude of the angular velocity and of its plan (rad/s)."""
+    return max(map(norm, (command.angular, *command.plan_angular)))

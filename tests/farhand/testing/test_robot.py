@@ -1,12 +1,13 @@
 import pytest
 
+from farhand.common.geometry import Twist
 from farhand.testing import ScriptedRobot
 
 
 def test_it_follows_at_once_and_keeps_what_it_was_told():
     robot = ScriptedRobot((1.0, 0.0, 0.0))
-    robot.step((0.1, 0.0, -0.2), 0.5)
-    robot.step((0.0, 0.2, 0.0), 0.5)
+    robot.step(Twist((0.1, 0.0, -0.2)), 0.5)
+    robot.step(Twist((0.0, 0.2, 0.0)), 0.5)
     assert robot.sample().position == pytest.approx((1.05, 0.1, -0.1))
     assert robot.sample().velocity == (0.0, 0.2, 0.0)
     assert robot.told == [((0.1, 0.0, -0.2), 0.5), ((0.0, 0.2, 0.0), 0.5)]
@@ -15,7 +16,7 @@ def test_it_follows_at_once_and_keeps_what_it_was_told():
 def test_a_stuck_robot_stays_and_is_still_told():
     robot = ScriptedRobot()
     robot.stuck = True
-    robot.step((0.1, 0.0, 0.0), 1.0)
+    robot.step(Twist((0.1, 0.0, 0.0)), 1.0)
     assert robot.sample().position == (0.0, 0.0, 0.0)
     assert robot.told == [((0.1, 0.0, 0.0), 1.0)]
 
@@ -34,7 +35,7 @@ def test_it_fails_so_often_in_the_call_it_is_told(call):
     robot = ScriptedRobot()
     calls = {
         "sample": robot.sample,
-        "step": lambda: robot.step((1.0, 0.0, 0.0), 0.1),
+        "step": lambda: robot.step(Twist((1.0, 0.0, 0.0)), 0.1),
         "arm_clearance": lambda: robot.arm_clearance([]),
     }
     robot.fail(call, 2, OSError("cable"))

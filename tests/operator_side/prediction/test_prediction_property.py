@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from farhand.common.geometry import Twist
 from farhand.operator_side.prediction.command_history import KEPT, CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
 from farhand.operator_side.prediction.law import Known
@@ -186,7 +187,7 @@ def test_history_forgets_the_oldest():
 def test_lag_compensated_position_of_a_lagging_robot_follows_the_command_exactly(moves):
     robot, z = PointRobot((0.0, 0.0, 0.0), LAG), ZERO
     for u, duration in moves:
-        robot.step(u, duration)
+        robot.step(Twist(u), duration)
         z = tuple(a + b * duration for a, b in zip(z, u, strict=True))
         sample = robot.sample()
         now = tuple(x + LAG * v for x, v in zip(sample.position, sample.velocity, strict=True))

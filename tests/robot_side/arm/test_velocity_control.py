@@ -4,10 +4,12 @@ import msgspec
 import numpy as np
 import pytest
 
+from farhand.common.geometry import Twist, to_vector3, turn_between
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import HOME
+from farhand.robot_side.arm.orientation import LEAD, OrientationReference
 from farhand.robot_side.arm.velocity_control import DirectionKeeping, singular_value_gradient
 from farhand.robot_side.robots.pybullet_arm import UR5Robot
 from farhand.runs.scenario import load_scenario, replace_setting
@@ -23,7 +25,7 @@ def drive(start, velocity, seconds, law="direction"):
     robot = UR5Robot(replace_setting(scenario, "start", list(start)))
     positions, velocities, commanded, turned = [], [], [], 0.0
     for _ in range(round(seconds / DT)):
-        robot.step(velocity, DT)
+        robot.step(Twist(to_vector3(velocity)), DT)
         sample = robot.sample()
         positions.append(sample.position)
         velocities.append(sample.velocity)
@@ -117,6 +119,35 @@ def test_nonsense_brakes_instead_of_raising():
         assert np.abs(qd).max() <= A_MAX * DT + 1e-12
 
 
+@pytest.mark.parametrize("law", ["direction", "damped"])
+def test_the_tool_turns_as_commanded_while_it_moves_and_keeps_what_it_was_turned_to(law):
+    scenario = replace_setting(SCENARIO, "robot.velocity_control", law)
+    robot = UR5Robot(scenario)
+    start, before = np.array(robot.sample().position), robot.sample().orientation
+    linear, angular = (0.05, 0.1, 0.0), (0.0, 0.3, 0.4)
+    for _ in range(500):
+        robot.step(Twist(linear, angular), DT)
+    assert robot.sample().angular_velocity == pytest.approx(angular, abs=5e-3)
+    for _ in range(1000):
+        robot.step(Twist(), DT)
+    turn = turn_between(before, robot.sample().orientation)
+    assert turn == pytest.approx(angular, abs=2e-3)  # for 1 s
+    assert np.array(robot.sample().position) - start == pytest.approx(linear, abs=2e-3)
+    assert np.abs(robot.sample().angular_velocity).max() < 1e-3
+    robot.close()
+
+
+def test_an_arm_that_cannot_follow_does_not_wind_its_orientation_up():
+    reference = OrientationReference(np.eye(3))
+    for _ in range(1000):
+        reference.turn(np.array([0.0, 0.0, 1.0]), np.eye(3), 0.01)
+    lead = rotation_error(reference.R_base_wanted, np.eye(3))
+    assert lead == pytest.approx((0.0, 0.0, LEAD))
+    kept = reference.R_base_wanted
+    reference.turn(np.zeros(3), np.eye(3), 0.01)
+    assert reference.R_base_wanted is kept
+
+
 LEAVING = [
     pytest.param((0.3, 0.0, 0.0), (-0.3, 0.0, 0.0), id="stretched, back"),
     pytest.param((0.3, 0.0, 0.0), (-0.27, 0.12, 0.0), id="stretched, towards the axis"),
@@ -130,11 +161,11 @@ LEAVING = [
 def test_the_edge_of_reach_is_left_at_once(there, back):
     robot = UR5Robot(SCENARIO)
     for _ in range(4000):
-        robot.step(there, DT)
+        robot.step(Twist(to_vector3(there)), DT)
     edge = np.array(robot.sample().position)
     direction = np.array(back) / np.linalg.norm(back)
     for _ in range(350):
-        robot.step(back, DT)
+        robot.step(Twist(to_vector3(back)), DT)
     moved = np.array(robot.sample().position) - edge
     robot.close()
     assert moved @ direction > 0.1  # within 0.7 s; at full speed 0.2

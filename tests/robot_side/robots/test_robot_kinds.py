@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import subprocess
 import sys
 import threading
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from farhand.common.geometry import Twist
 from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.robot_side.main import run_robot
@@ -34,7 +36,7 @@ def box():
 def test_box_follows_with_a_tenth_of_a_second(box):
     speeds = []
     for _ in range(1000):
-        box.step((0.0, 0.3, -0.4), DT)
+        box.step(Twist((0.0, 0.3, -0.4)), DT)
         speeds.append(np.linalg.norm(box.sample().velocity))
     assert np.argmax(np.array(speeds) >= 0.632 * 0.5) * DT == pytest.approx(0.1, abs=0.004)
     assert max(speeds) <= 0.5 + 1e-9
@@ -45,7 +47,7 @@ def test_box_follows_with_a_tenth_of_a_second(box):
 
 def test_box_hovers_without_drift(box):
     for _ in range(5000):
-        box.step((0.0, 0.0, 0.0), DT)
+        box.step(Twist((0.0, 0.0, 0.0)), DT)
     assert box.sample().position == pytest.approx((1.0, 0.0, 2.0), abs=1e-9)
 
 
@@ -55,10 +57,23 @@ def test_box_rights_itself(box):
     box._read()
     largest = 0.0
     for _ in range(1000):
-        box.step((0.0, 0.0, 0.0), DT)
+        box.step(Twist((0.0, 0.0, 0.0)), DT)
         largest = max(largest, 1.0 - box.sample().orientation[0])
     assert largest > 1e-5
     assert box.sample().orientation == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_box_turns_as_commanded_and_keeps_the_attitude(box):
+    for _ in range(500):
+        box.step(Twist(angular=(0.6, 0.0, 0.8)), DT)
+    assert box.sample().angular_velocity == pytest.approx((0.6, 0.0, 0.8), abs=1e-3)
+    for _ in range(1000):
+        box.step(Twist(), DT)
+    half = 0.5  # rad: 1 rad/s for 1 s
+    turned = (math.cos(half), 0.6 * math.sin(half), 0.0, 0.8 * math.sin(half))
+    assert box.sample().orientation == pytest.approx(turned, abs=1e-4)
+    assert box.sample().angular_velocity == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
+    assert box.sample().position == pytest.approx((1.0, 0.0, 2.0), abs=1e-9)
 
 
 def test_box_scenario_uses_the_box_of_the_paper():
@@ -72,21 +87,32 @@ def test_box_scenario_uses_the_box_of_the_paper():
 def test_point_is_exact_at_any_period():
     fine, coarse = PointRobot((0.0, 0.0, 0.0), 0.1), PointRobot((0.0, 0.0, 0.0), 0.1)
     for _ in range(100):
-        fine.step((0.3, -0.1, 0.2), 0.002)
-    coarse.step((0.3, -0.1, 0.2), 0.2)
+        fine.step(Twist((0.3, -0.1, 0.2)), 0.002)
+    coarse.step(Twist((0.3, -0.1, 0.2)), 0.2)
     assert fine.sample().position == pytest.approx(coarse.sample().position, abs=1e-14)
     assert fine.sample().velocity[0] == pytest.approx(0.3 * (1 - np.exp(-2)), abs=1e-14)
 
 
+def test_point_turns_with_its_lag():
+    point = PointRobot((0.0, 0.0, 0.0), 0.1)
+    for _ in range(1000):
+        point.step(Twist(angular=(0.0, 0.0, 0.5)), 0.002)
+    assert point.sample().angular_velocity == pytest.approx((0.0, 0.0, 0.5), abs=1e-6)
+    angle = 0.5 * (2.0 - 0.1)
+    assert point.sample().orientation == pytest.approx((math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)))
+    assert point.sample().position == (0.0, 0.0, 0.0)
+
+
 def test_point_without_lag_follows_at_once():
     point = PointRobot((0.0, 0.0, 0.0), 0.0)
-    point.step((1.0, 0.0, 0.0), 0.1)
+    point.step(Twist((1.0, 0.0, 0.0)), 0.1)
     assert point.sample().velocity == (1.0, 0.0, 0.0)
     assert point.sample().position == pytest.approx((0.1, 0.0, 0.0))
 
 
 WANDER = """
 import hashlib, sys
+from farhand.common.geometry import Twist
 from farhand.runs.scenario import load_scenario
 from farhand.common.seeds import stream
 from farhand.robot_side.robots.registry import make_robot
@@ -96,7 +122,7 @@ rng, digest = stream(5, "wander"), hashlib.sha256()
 for _ in range(10):
     velocity = tuple(rng.uniform(-0.2, 0.2, 3).tolist())
     for _ in range(50):
-        robot.step(velocity, 1 / scenario.robot.rate_hz)
+        robot.step(Twist(velocity), 1 / scenario.robot.rate_hz)
         digest.update(repr((robot.sample(), robot.arm_clearance(scenario.obstacles))).encode())
 robot.close()
 print(digest.hexdigest())
@@ -122,7 +148,7 @@ def test_every_kind_is_made_moves_and_closes(name):
     robot = make_robot(scenario)
     assert robot.sample().position == pytest.approx(scenario.start, abs=1e-6)
     for _ in range(100):
-        robot.step((0.0, 0.1, 0.0), 1 / scenario.robot.rate_hz)
+        robot.step(Twist((0.0, 0.1, 0.0)), 1 / scenario.robot.rate_hz)
     assert robot.sample().position[1] > scenario.start[1] + 0.005
     robot.close()
 

@@ -41,15 +41,15 @@ class WatchdogMachine(RuleBasedStateMachine):
         return messages.command(seq, mode, velocity=velocity, echo=basis, **given)
 
     def give(self, command):
-        before = (self.watchdog.mode, self.watchdog.velocity(self.now), self.watchdog.refused.total())
+        before = (self.watchdog.mode, self.watchdog.twist(self.now).linear, self.watchdog.refused.total())
         obeyed = self.watchdog.receive(command, self.now)
         after = self.watchdog.refused.total()
         assert after == before[2] + (not obeyed)
         if not obeyed:
             assert self.watchdog.mode == before[0]
-            assert self.watchdog.velocity(self.now) == before[1]
-        if self.watchdog.velocity(self.now) != before[1]:
-            assert self.watchdog.velocity(self.now) == ZERO or self.holder == command.session
+            assert self.watchdog.twist(self.now).linear == before[1]
+        if self.watchdog.twist(self.now).linear != before[1]:
+            assert self.watchdog.twist(self.now).linear == ZERO or self.holder == command.session
         if obeyed and command.mode in ("run", "hold", "acknowledge"):
             self.last_good = self.now
         return obeyed
@@ -79,7 +79,7 @@ class WatchdogMachine(RuleBasedStateMachine):
         assert obeyed == good
         if obeyed:
             assert self.watchdog.mode == "run"
-            assert self.watchdog.velocity(self.now) == velocity
+            assert self.watchdog.twist(self.now).linear == velocity
             assert self.watchdog.lease.holder == session
 
     @rule(session=sessions, fault=st.sampled_from(["echo", "replay"]))
@@ -97,7 +97,7 @@ class WatchdogMachine(RuleBasedStateMachine):
         assert self.give(self.command(session, "hold")) == mine
         if mine:
             assert self.watchdog.mode == (before if before in LATCHED else "hold")
-            assert self.watchdog.velocity(self.now) == ZERO
+            assert self.watchdog.twist(self.now).linear == ZERO
 
     @rule(session=sessions, age_ms=st.sampled_from([20, 1400]))
     def acknowledge(self, session, age_ms):
@@ -111,7 +111,7 @@ class WatchdogMachine(RuleBasedStateMachine):
             assert self.watchdog.refused["held"] == held + 1
         if obeyed:
             assert self.watchdog.mode == "hold"
-            assert self.watchdog.velocity(self.now) == ZERO
+            assert self.watchdog.twist(self.now).linear == ZERO
 
     @rule(session=sessions)
     def release(self, session):
@@ -121,7 +121,7 @@ class WatchdogMachine(RuleBasedStateMachine):
         assert self.give(self.command(session, "release")) == mine
         if mine:
             assert self.watchdog.lease.end == "released"
-            assert self.watchdog.velocity(self.now) == ZERO
+            assert self.watchdog.twist(self.now).linear == ZERO
 
     @rule(session=sessions, successor=sessions, age_ms=st.sampled_from([0, 30, 1400]))
     def hand_over(self, session, successor, age_ms):
@@ -134,7 +134,7 @@ class WatchdogMachine(RuleBasedStateMachine):
             self.asked.pop(successor)
             self.holder, self.heard, self.since = successor, self.now, self.now
             assert self.watchdog.lease.holder_name == f"operator.{successor}"
-            assert self.watchdog.velocity(self.now) == ZERO
+            assert self.watchdog.twist(self.now).linear == ZERO
             assert latched == self.watchdog.latched
             # Nobody else, the old holder included, moves the robot from here on.
             for other in {7, 8, 9} - {successor}:
@@ -195,18 +195,18 @@ class WatchdogMachine(RuleBasedStateMachine):
     @invariant()
     def nobody_moves_it_when_nobody_has_control(self):
         if self.holder == 0:
-            assert self.watchdog.velocity(self.now) == ZERO
+            assert self.watchdog.twist(self.now).linear == ZERO
 
     @invariant()
     def a_latch_stands_still(self):
         if self.watchdog.mode in LATCHED:
-            assert self.watchdog.velocity(self.now) == ZERO
+            assert self.watchdog.twist(self.now).linear == ZERO
 
     @invariant()
     def silence_ends_motion(self):
-        if self.watchdog.velocity(self.now) != ZERO:
+        if self.watchdog.twist(self.now).linear != ZERO:
             assert self.now - self.last_good <= LIMITS.stop_timeout * 1e9
-            assert max(map(abs, self.watchdog.velocity(self.now))) <= LIMITS.max_speed
+            assert max(map(abs, self.watchdog.twist(self.now).linear)) <= LIMITS.max_speed
 
     @invariant()
     def run_is_recent(self):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from farhand.common.geometry import STILL
 from farhand.common.messages.base import ZERO, Echo
 from farhand.robot_side.safety.plan import PlanPlayer
 from farhand.robot_side.safety.settings import SafetySettings
@@ -35,8 +36,21 @@ def test_plan_is_played_by_the_index_rule():
     player = PlanPlayer()
     plan = ((2.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     player.load(command(0, velocity=(1.0, 0.0, 0.0), plan=plan), START)
-    played = [player.velocity(START + h * MS)[0] for h in (0, 99, 100, 199, 200, 299, 300, 5000)]
+    played = [player.twist(START + h * MS).linear[0] for h in (0, 99, 100, 199, 200, 299, 300, 5000)]
     assert played == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 0.0, 0.0]
+
+
+def test_the_turning_is_played_beside_the_plan_and_ends_with_it():
+    player = PlanPlayer()
+    plan, turns = ((2.0, 0.0, 0.0), (3.0, 0.0, 0.0)), ((0.0, 0.0, 0.2), (0.0, 0.0, 0.3), (0.0, 0.0, 0.4))
+    given = command(0, velocity=(1.0, 0.0, 0.0), angular=(0.0, 0.0, 0.1), plan=plan, plan_angular=turns)
+    player.load(given, START)
+    played = [player.twist(START + h * MS).angular[2] for h in (0, 99, 100, 200, 299, 300, 5000)]
+    assert played == [0.1, 0.1, 0.2, 0.3, 0.3, 0.0, 0.0]
+    player.load(command(1, plan=plan, plan_angular=turns[:1]), START)
+    assert [player.twist(START + h * MS).angular[2] for h in (0, 100, 200, 300)] == [0.0, 0.2, 0.0, 0.0]
+    player.clear()
+    assert player.twist(START + 100 * MS) == STILL
 
 
 def test_silence_plays_the_plan_out_then_stops(watchdog):
@@ -47,15 +61,15 @@ def test_silence_plays_the_plan_out_then_stops(watchdog):
     watchdog.tick(START + 301 * MS)
     assert watchdog.mode == "hold"
     assert watchdog.holds == 1
-    assert watchdog.velocity(START + 450 * MS) == plan[3]
+    assert watchdog.twist(START + 450 * MS).linear == plan[3]
     watchdog.tick(START + 1501 * MS)
     assert (watchdog.mode, watchdog.stops) == ("stopped", 1)
-    assert watchdog.velocity(START + 1501 * MS) == ZERO
+    assert watchdog.twist(START + 1501 * MS).linear == ZERO
     later = START + 1600 * MS
     assert not watchdog.receive(command(2, now=later), later)
     assert watchdog.refused["stopped"] == 1
     assert watchdog.receive(command(3, "acknowledge", now=later), later)
-    assert watchdog.velocity(later) == ZERO
+    assert watchdog.twist(later).linear == ZERO
     assert watchdog.receive(command(4, now=later), later)
     assert watchdog.mode == "run"
 
@@ -77,7 +91,7 @@ def test_holding_operator_is_alive(watchdog):
         assert watchdog.receive(command(2 + k, "hold", now=now, echo=False), now)
         watchdog.tick(now + 99 * MS)
         assert watchdog.mode == "hold"
-        assert watchdog.velocity(now) == ZERO
+        assert watchdog.twist(now).linear == ZERO
 
 
 @pytest.mark.parametrize(
@@ -91,6 +105,8 @@ def test_holding_operator_is_alive(watchdog):
         (command(2, session=8), "foreign-session"),
         (command(2, velocity=(0.0, -2.01, 0.0)), "too-fast"),
         (command(2, plan=((0.0, 0.0, 2.01),)), "too-fast"),
+        (command(2, angular=(1.5, 0.0, -1.5)), "turns-too-fast"),
+        (command(2, plan_angular=(ZERO, (0.0, 2.01, 0.0))), "turns-too-fast"),
         (command(2, "acknowledge", age_ms=1001), "stale"),
         (command(2, "release", session=8), "late-release"),
     ],
@@ -99,7 +115,7 @@ def test_refusal_is_counted_and_moves_nothing(watchdog, bad, reason):
     watchdog.receive(command(1), START)
     assert not watchdog.receive(bad, START)
     assert watchdog.refused == {reason: 1}
-    assert watchdog.velocity(START) == V
+    assert watchdog.twist(START).linear == V
     assert (watchdog.applied_session, watchdog.applied_seq) == (7, 1)
 
 
@@ -185,7 +201,7 @@ def test_lease_shorter_than_the_timeouts_ends_motion():
     watchdog.receive(command(1, plan=(V,) * 20), START)
     watchdog.tick(START + 101 * MS)
     assert watchdog.mode == "hold"
-    assert watchdog.velocity(START + 150 * MS) == ZERO
+    assert watchdog.twist(START + 150 * MS).linear == ZERO
 
 
 def test_stale_grant_is_no_grant(watchdog):
@@ -234,7 +250,7 @@ def asked(watchdog):
 def test_a_handover_rests_and_only_the_successor_has_control(asked):
     assert asked.receive(command(2, "release", successor=8), START)
     assert (asked.lease.holder, asked.lease.holder_name, waiting(asked)) == (8, "bob", ())
-    assert (asked.mode, asked.reason, asked.velocity(START)) == (
+    assert (asked.mode, asked.reason, asked.twist(START).linear) == (
         "hold",
         "control was handed over to bob",
         ZERO,
@@ -243,7 +259,7 @@ def test_a_handover_rests_and_only_the_successor_has_control(asked):
     assert not asked.receive(command(1, "acknowledge", session=9, age_ms=0), START)
     assert asked.refused == {"foreign-session": 1, "held": 1}
     assert asked.receive(command(2, session=8, age_ms=0), START)
-    assert (asked.mode, asked.velocity(START)) == ("run", V)
+    assert (asked.mode, asked.twist(START).linear) == ("run", V)
 
 
 def test_a_successor_that_is_never_heard_loses_control_by_itself(asked):
@@ -268,7 +284,7 @@ def test_a_successor_that_is_never_heard_loses_control_by_itself(asked):
 def test_a_handover_that_is_none_leaves_control_where_it_is(asked, bad, reason):
     assert not asked.receive(bad, START)
     assert asked.refused == {reason: 1}
-    assert (asked.lease.holder, asked.velocity(START)) == (7, V)
+    assert (asked.lease.holder, asked.twist(START).linear) == (7, V)
 
 
 def test_a_request_under_way_clears_no_stop_for_the_successor(asked):
