@@ -9,6 +9,8 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
+from farhand.common.shapes.cover import cover
+from farhand.common.shapes.pose import rotation
 from farhand.operator_side.control.checks.body import clear_steps
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import eased
@@ -76,6 +78,7 @@ class SafetyFilter:
         self._scene: Scene | None = None
         self._centres = self._velocities = np.zeros((0, 3))
         self._radii = self._speeds = np.zeros(0)
+        self._ids: list[str] = []
         self._moving = False
 
     def filter(self, ahead: Ahead) -> Filtered:
@@ -108,7 +111,7 @@ class SafetyFilter:
         # A margin may have grown over the robot: then the way out is solved for, and checked as strictly.
         solution = self._controller.solve(eased(problem, self._settings) or problem)
         plan, reason = safe_plan(problem, solution, self._settings)
-        binding = scene.obstacles[solution.binding].id if solution.binding >= 0 else ""
+        binding = self._ids[solution.binding] if solution.binding >= 0 else ""
         lag_part = 0.0
         if trail is not None:
             plan, reason = self._kept_from_corners(problem, radii, plan, reason, ahead)
@@ -142,9 +145,14 @@ class SafetyFilter:
         if scene is self._scene:
             return
         self._scene = scene
-        n = len(scene.obstacles)
-        self._centres = np.array([o.position for o in scene.obstacles], dtype=float).reshape(n, 3)
-        self._velocities = np.array([o.velocity for o in scene.obstacles], dtype=float).reshape(n, 3)
-        self._radii = np.array([o.radius + self._keep for o in scene.obstacles], dtype=float)
+        balls = [
+            (np.array(o.position) + np.array(rotation(o.orientation)) @ centre, radius, o)
+            for o in scene.obstacles
+            for centre, radius in zip(*cover(o), strict=True)
+        ]
+        self._centres = np.array([centre for centre, *_ in balls], dtype=float).reshape(-1, 3)
+        self._velocities = np.array([o.velocity for *_, o in balls], dtype=float).reshape(-1, 3)
+        self._radii = np.array([radius + self._keep for _, radius, _ in balls], dtype=float)
+        self._ids = [o.id for *_, o in balls]
         self._speeds = np.sqrt(np.einsum("jk,jk->j", self._velocities, self._velocities))
         self._moving = bool(np.any(self._velocities))

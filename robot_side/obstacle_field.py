@@ -3,18 +3,21 @@
 import math
 from collections.abc import Sequence
 
-import msgspec
 import numpy as np
 
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
+from farhand.common.shapes.obstacle import moved, place
+from farhand.common.shapes.pose import rotation
+from farhand.common.shapes.sphere import Sphere
+from farhand.robot_side.surroundings import Surroundings, surroundings_of
 
 NOTHING_NEAR = 1e6
 _FEW = 24  # up to here a plain loop beats numpy's call overhead
 
 
 class ObstacleField:
-    """Spheres that stand still or move at constant velocity.
+    """Obstacles that stand still, move at constant velocity, or shuttle along a path.
 
     Args:
         obstacles: as they are at `start_ns`.
@@ -23,48 +26,67 @@ class ObstacleField:
 
     def __init__(self, obstacles: Sequence[Obstacle], start_ns: int) -> None:
         self._obstacles = tuple(obstacles)
-        self._start_ns = start_ns
-        self._still = not any(any(o.velocity) for o in obstacles)
-        self._few = [(*o.position, o.radius, *o.velocity) for o in obstacles]
-        self._centres = np.array([o.position for o in obstacles]).reshape(-1, 3)
-        self._velocities = np.array([o.velocity for o in obstacles]).reshape(-1, 3)
-        self._radii = np.array([o.radius for o in obstacles])
+        self._start_ns = self._table_ns = start_ns
+        self._movers = [(index, o) for index, o in enumerate(obstacles) if o.moves]
+        self._still = not self._movers
+        self._table = surroundings_of(self._obstacles)
+        # Spheres that stand or move straight on, the common case, are a loop over plain numbers.
+        spheres = [(o, o.shape.radius) for o in obstacles if isinstance(o.shape, Sphere) and not o.path]
+        self._few = [(*o.position, radius, *o.velocity) for o, radius in spheres]
+        self._centres = np.array([o.position for o, _ in spheres]).reshape(-1, 3)
+        self._velocities = np.array([o.velocity for o, _ in spheres]).reshape(-1, 3)
+        self._radii = np.array([radius for _, radius in spheres])
+        self._others = [
+            (o, o.shape.distance, o.shape.bounding_radius, rotation(o.orientation))
+            for o in obstacles
+            if not isinstance(o.shape, Sphere) or o.path
+        ]
 
     def at(self, now_ns: int) -> tuple[Obstacle, ...]:
         """The obstacles where they are at `now_ns`."""
         if self._still:
             return self._obstacles
         t = (now_ns - self._start_ns) * 1e-9
-        return tuple(
-            msgspec.structs.replace(o, position=_moved(o.position, o.velocity, t)) for o in self._obstacles
-        )
+        return tuple(moved(o, t) for o in self._obstacles)
+
+    def table(self, now_ns: int) -> Surroundings:
+        """The same as numbers; always the one object, whose rows of movers are changed in place."""
+        if self._movers and now_ns != self._table_ns:
+            self._table_ns = now_ns
+            t = (now_ns - self._start_ns) * 1e-9
+            for index, obstacle in self._movers:
+                self._table.move(index, *place(obstacle, t))
+        return self._table
 
     def clearance(self, point: Vector3, radius: float, now_ns: int) -> float:
         """Distance of a sphere around `point` to the nearest obstacle at `now_ns` (m); 1e6 without any."""
         t = 0.0 if self._still else (now_ns - self._start_ns) * 1e-9
+        nearest = self._to_spheres(point, t)
+        if self._others:
+            nearest = self._to_others(point, t, nearest)
+        return min(nearest, NOTHING_NEAR + radius) - radius
+
+    def _to_spheres(self, point: Vector3, t: float) -> float:
         if len(self._few) > _FEW:
             offsets = self._centres + t * self._velocities - np.asarray(point)
             gaps = np.sqrt(np.einsum("ij,ij->i", offsets, offsets)) - self._radii
-            return float(gaps.min()) - radius
+            return float(gaps.min())
         x, y, z = point
-        nearest = NOTHING_NEAR + radius
+        nearest = math.inf
         for px, py, pz, r, vx, vy, vz in self._few:
             dx, dy, dz = px + t * vx - x, py + t * vy - y, pz + t * vz - z
             gap = math.sqrt(dx * dx + dy * dy + dz * dz) - r
             if gap < nearest:
                 nearest = gap
-        return nearest - radius
+        return nearest
 
-
-def nearest_obstacle(obstacles: Sequence[Obstacle], point: Vector3) -> str:
-    """Name of the obstacle that is nearest to a point; empty without any."""
-    nearest = min(obstacles, key=lambda o: math.dist(o.position, point) - o.radius, default=None)
-    return nearest.id if nearest is not None else ""
-
-
-def _moved(position: Vector3, velocity: Vector3, t: float) -> Vector3:
-    return (
-        position[0] + t * velocity[0],
-        position[1] + t * velocity[1],
-        position[2] + t * velocity[2],
-    )
+    def _to_others(self, point: Vector3, t: float, nearest: float) -> float:
+        """The distance to the nearest shape, or `nearest` where none is nearer (m)."""
+        x, y, z = point
+        for obstacle, distance, bound, ((a, b, c), (d, e, f), (g, h, i)) in self._others:
+            px, py, pz = place(obstacle, t)[0] if obstacle.moves else obstacle.position
+            dx, dy, dz = x - px, y - py, z - pz
+            if math.sqrt(dx * dx + dy * dy + dz * dz) - bound < nearest:
+                gap = distance(a * dx + d * dy + g * dz, b * dx + e * dy + h * dz, c * dx + f * dy + i * dz)
+                nearest = min(nearest, gap)
+        return nearest

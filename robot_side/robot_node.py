@@ -22,8 +22,9 @@ from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
+from farhand.common.shapes.distance import nearest_obstacle
 from farhand.common.timing.periodic import Periodic
-from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField, nearest_obstacle
+from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.result import RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
@@ -133,7 +134,7 @@ class RobotNode:
         if nearest is None or self._field is None:
             return ""
         position, at_ns = nearest
-        return nearest_obstacle(self._field.at(at_ns), position)
+        return nearest_obstacle(self._field.at(at_ns), position)[1]
 
     def _interruptions_so_far(self) -> list[tuple[float, SafetyMode, str]]:
         """Holds for want of commands, and stops."""

@@ -51,8 +51,8 @@ def draw(to: Path) -> None:
     for axes, (title, (_, path)) in zip(all_axes, runs, strict=True):
         for obstacle in scenario.obstacles:
             centre = (obstacle.position[0], obstacle.position[2])
-            axes.add_patch(plt.Circle(centre, obstacle.radius, color=GREY, alpha=0.35, lw=0))
-            keep = obstacle.radius + scenario.controller.d_min + scenario.robot.radius
+            axes.add_patch(plt.Circle(centre, obstacle.shape.bounding_radius, color=GREY, alpha=0.35, lw=0))
+            keep = obstacle.shape.bounding_radius + scenario.controller.d_min + scenario.robot.radius
             axes.add_patch(plt.Circle(centre, keep, fill=False, ec=RED, ls="--", lw=1.0))
         for target in scenario.targets:
             axes.plot(target[0], target[2], "*", color=GREEN, ms=11)

@@ -8,21 +8,20 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta, Struct
 
+from farhand.common.quantities import PRINTABLE
+from farhand.common.quantities import ZERO as ZERO
+from farhand.common.quantities import Name as Name
+from farhand.common.quantities import NonNegative as NonNegative
+from farhand.common.quantities import Positive as Positive
+from farhand.common.quantities import Quaternion as Quaternion
+from farhand.common.quantities import Real as Real
+from farhand.common.quantities import Vector3 as Vector3
+
 SCHEMA = 4
 
-# Magnitudes beyond this are refused as nonsense: no position in m or velocity in m/s comes near it.
-Real = Annotated[float, Meta(ge=-1e6, le=1e6)]
-Positive = Annotated[float, Meta(gt=0, le=1e6)]
-NonNegative = Annotated[float, Meta(ge=0, le=1e6)]
-Vector3 = tuple[Real, Real, Real]
-Quaternion = tuple[Real, Real, Real, Real]
-ZERO: Vector3 = (0.0, 0.0, 0.0)
 Stamp = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 Duration = Annotated[int, Meta(ge=0, le=2**62)]
-# Names are shown on terminals: no control characters, and nothing that turns the direction of writing.
-_PRINTABLE = r"\A[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]*\Z"
-Name = Annotated[str, Meta(min_length=1, max_length=64, pattern=_PRINTABLE)]
-NameOrNone = Annotated[str, Meta(max_length=64, pattern=_PRINTABLE)]
+NameOrNone = Annotated[str, Meta(max_length=64, pattern=PRINTABLE)]
 Text = Annotated[str, Meta(max_length=512)]
 
 SafetyMode = Literal["run", "hold", "stopped", "estop"]

@@ -2,28 +2,13 @@
 
 from typing import Annotated
 
-from msgspec import Meta, Struct
+from msgspec import Meta
 
-from farhand.common.messages.base import Message, Name, Positive, Stamp, Vector3
+from farhand.common.messages.base import Message, Stamp, Vector3
+from farhand.common.shapes.obstacle import Obstacle as Obstacle
 
 MAX_OBSTACLES = 1024
 MAX_TARGETS = 256
-
-
-class Obstacle(Struct, frozen=True, forbid_unknown_fields=True):
-    """A spherical obstacle in the base frame.
-
-    Attributes:
-        id: its name.
-        position: centre (m).
-        radius: (m).
-        velocity: (m/s).
-    """
-
-    id: Name
-    position: Vector3
-    radius: Positive
-    velocity: Vector3 = (0.0, 0.0, 0.0)
 
 
 class Scene(Message, frozen=True, kw_only=True):

@@ -17,7 +17,7 @@ class Task(Section, frozen=True, kw_only=True):
         description: one line.
         start: tool position at the start (m).
         targets: to be reached in order (m).
-        obstacles: spheres, possibly moving.
+        obstacles: what stands or moves there.
     """
 
     name: Annotated[str, Meta(min_length=1, max_length=64)]

@@ -48,7 +48,13 @@ def scene_difference(scene: Scene, scenario: Scenario) -> str:
 
 def _fixed(obstacles: tuple[Obstacle, ...]) -> dict[str, object]:
     """What of each obstacle does not change with time."""
-    return {o.id: (o.radius, o.velocity, None if any(o.velocity) else o.position) for o in obstacles}
+    return {
+        o.id: (
+            *(o.shape, o.orientation, o.acceleration, o.path, o.speed),
+            *((None, None) if o.path else (o.velocity, None if o.moves else o.position)),
+        )
+        for o in obstacles
+    }
 
 
 def _only_once(there: dict[str, object], here: dict[str, object]) -> list[tuple[str, str]]:

@@ -113,11 +113,10 @@ def passing(scenario: Scenario, path: Array, plane: tuple[int, int]) -> Array:
     t = path[:, 0] - (path[0, 0] if len(path) else 0.0)
     for obstacle in scenario.obstacles:
         centres = np.asarray(obstacle.position) + t[:, None] * np.asarray(obstacle.velocity)
+        size = obstacle.shape.bounding_radius
         offsets = path[:, 1:4] - centres
         drawn = np.linalg.norm(offsets[:, list(plane)], axis=1)
-        found |= (drawn < obstacle.radius + keep) & (
-            np.linalg.norm(offsets, axis=1) >= obstacle.radius + keep
-        )
+        found |= (drawn < size + keep) & (np.linalg.norm(offsets, axis=1) >= size + keep)
     return found
 
 
@@ -164,10 +163,11 @@ def _draw_obstacles(axes: Any, scenario: Scenario, plane: tuple[int, int], infla
     keep = scenario.robot.radius + scenario.controller.d_min
     for index, obstacle in enumerate(scenario.obstacles):
         centre = obstacle.position[plane[0]], obstacle.position[plane[1]]
+        size = obstacle.shape.bounding_radius
         rings: list[tuple[float, str, dict[str, Any]]] = [
-            (obstacle.radius, "obstacle", {"color": GREY, "alpha": 0.75, "lw": 0}),
+            (size, "obstacle", {"color": GREY, "alpha": 0.75, "lw": 0}),
             (
-                obstacle.radius + keep,
+                size + keep,
                 "tool centre's limit",
                 {"fill": False, "lw": 0.9, "ls": "--", "ec": RED},
             ),
@@ -175,7 +175,7 @@ def _draw_obstacles(axes: Any, scenario: Scenario, plane: tuple[int, int], infla
         if inflation > 0:
             label = f"with the margin when nearest, {inflation * 1e3:.0f} mm"
             style = {"fill": False, "lw": 0.9, "ls": ":", "ec": ORANGE}
-            rings.append((obstacle.radius + keep + inflation, label, style))
+            rings.append((size + keep + inflation, label, style))
         for radius, label, style in rings:
             axes.add_patch(Circle(centre, radius, label=label if index == 0 else None, **style))
 

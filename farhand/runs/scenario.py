@@ -13,11 +13,11 @@ from typing import Any
 import msgspec
 
 from farhand.common.errors import InputError, ScenarioError
-from farhand.common.geometry import distance
 from farhand.common.kinds import Kinds
 from farhand.common.scenario.reader import name_key, non_finite_key, without_nulls
 from farhand.common.scenario.section import KindSection, checked_settings
 from farhand.common.scenario.task import Task
+from farhand.common.shapes.distance import distance_to
 from farhand.common.toml import parse_toml, read_toml
 from farhand.netem.settings import NetworkSettings
 from farhand.operator_side.control.registry import CONTROLLERS, SOLVERS
@@ -192,7 +192,7 @@ def _check_sense(scenario: Scenario, where: str) -> None:
         if obstacle.id in seen:
             raise ScenarioError(f"scenario {where}: obstacles[{index}].id: {obstacle.id!r} is there twice")
         seen.add(obstacle.id)
-        gap = distance(scenario.start, obstacle.position) - obstacle.radius
+        gap = distance_to(obstacle, scenario.start)
         if gap < keep:
             raise ScenarioError(
                 f"scenario {where}: start: lies {gap:.3f} m from obstacle {obstacle.id!r}; "
@@ -217,8 +217,8 @@ def _check_targets(scenario: Scenario, where: str, keep: float) -> None:
     """Raise ScenarioError where a target lies in an obstacle that stays, or nearer to it than may be driven."""
     for index, target in enumerate(scenario.targets):
         for obstacle in scenario.obstacles:
-            gap = distance(target, obstacle.position) - obstacle.radius
-            if gap < keep and not any(obstacle.velocity):
+            gap = distance_to(obstacle, target)
+            if gap < keep and not obstacle.moves:
                 lies = f"{-gap:.3f} m inside" if gap < 0.0 else f"{gap:.3f} m from"
                 raise ScenarioError(
                     f"scenario {where}: targets[{index}]: lies {lies} obstacle {obstacle.id!r}; "

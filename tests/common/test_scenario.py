@@ -58,7 +58,7 @@ def test_a_file_loads_and_defaults_are_the_papers(tmp_path):
         ("radius = 0.1", "radius = 0", "obstacles[0].radius"),
         ("radius = 0.1", "radius = nan", "obstacles[0].radius: must be a finite number"),
         ("radius = 0.1", 'radius = "big"', "obstacles[0].radius"),
-        ("radius = 0.1", "", "missing required field `radius`"),
+        ("radius = 0.1", "", "missing required field `shape`, or the `radius` of a sphere"),
         ("radius = 0.1", "radius = 0.1\ncolour = 1", "unknown field `colour`"),
         ("radius = 0.1", "radius = 0.49", "start: lies 0.010 m from obstacle 'ball'"),
         ("radius = 0.1", "radius = 0.6", "start"),

@@ -134,11 +134,11 @@ def _world(axes: Any, scenario: Scenario) -> None:
     keep = scenario.robot.radius + scenario.controller.d_min
     for number, obstacle in enumerate(scenario.obstacles):
         centre = (obstacle.position[0], obstacle.position[2])
-        first = number == 0
+        first, size = number == 0, obstacle.shape.bounding_radius
         limit = {"label": "limit of the box's centre" if first else None}
-        axes.add_patch(Circle(centre, obstacle.radius + keep, fc=RED, alpha=0.12, lw=0))
-        axes.add_patch(Circle(centre, obstacle.radius + keep, fill=False, ec=RED, ls="--", lw=0.8, **limit))
-        axes.add_patch(Circle(centre, obstacle.radius, color=GREY, lw=0, label="obstacle" if first else None))
+        axes.add_patch(Circle(centre, size + keep, fc=RED, alpha=0.12, lw=0))
+        axes.add_patch(Circle(centre, size + keep, fill=False, ec=RED, ls="--", lw=0.8, **limit))
+        axes.add_patch(Circle(centre, size, color=GREY, lw=0, label="obstacle" if first else None))
 
 
 def _clearances(plt: Any, scenario: Scenario, runs: dict[str, Array], delay: str, index: int) -> Any:

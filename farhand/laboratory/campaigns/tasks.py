@@ -13,6 +13,7 @@ from farhand.common.geometry import distance
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.seeds import stream
+from farhand.common.shapes.distance import distance_to
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.settings import MarginSettings
 from farhand.robot_side.robots.settings import RobotSettings
@@ -78,7 +79,7 @@ def _obstacles(draw: np.random.Generator, count: int) -> list[Obstacle] | None:
     for _ in range(TRIES):
         radius = float(draw.uniform(*RADII))
         centre = _point(draw)
-        if all(distance(centre, o.position) >= radius + o.radius + OBSTACLE_GAP for o in found):
+        if all(distance_to(o, centre) >= radius + OBSTACLE_GAP for o in found):
             found.append(Obstacle(id=f"o{len(found)}", position=centre, radius=radius))
             if len(found) == count:
                 return found
@@ -90,7 +91,7 @@ def _points(draw: np.random.Generator, count: int, obstacles: list[Obstacle]) ->
     found: list[Vector3] = []
     for _ in range(TRIES):
         point = _point(draw)
-        clear = all(distance(point, o.position) >= o.radius + TARGET_GAP for o in obstacles)
+        clear = all(distance_to(o, point) >= TARGET_GAP for o in obstacles)
         if clear and all(distance(point, other) >= LEG for other in found):
             found.append(point)
             if len(found) == count:

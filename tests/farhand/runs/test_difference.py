@@ -2,6 +2,7 @@
 
 import msgspec
 
+from farhand.common.shapes.sphere import Sphere
 from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import load_scenario, replace_settings
 from farhand.testing import description, scene
@@ -27,7 +28,7 @@ def test_another_scene_is_named_and_where_a_moving_obstacle_is_by_now_is_no_diff
     (ball,) = scenario.obstacles[:1]
     same = scene(0, *scenario.obstacles, targets=scenario.targets)
     assert scene_difference(same, scenario) == ""
-    larger = msgspec.structs.replace(ball, radius=ball.radius + 0.01)
+    larger = msgspec.structs.replace(ball, shape=Sphere(ball.shape.radius + 0.01))
     line = scene_difference(scene(0, larger, *scenario.obstacles[1:], targets=()), scenario)
     assert f"obstacle {ball.id!r} differs" in line
     assert "0 targets there" in line

@@ -17,7 +17,7 @@ from farhand.runs.summary import summarise
 POINT = load_scenario("point-obstacle")
 RUN = Run(scenario=POINT, network=choose_network(POINT))
 OBSTACLE = POINT.obstacles[0]
-KEEP = OBSTACLE.radius + POINT.robot.radius + POINT.controller.d_min
+KEEP = OBSTACLE.shape.radius + POINT.robot.radius + POINT.controller.d_min
 
 
 @pytest.fixture

@@ -24,11 +24,11 @@ TASKS = [make_task(3, index) for index in range(60)]
 def test_a_task_keeps_all_distances(task):
     points = [task.start, *task.targets]
     for a, b in itertools.combinations(task.obstacles, 2):
-        assert distance(a.position, b.position) - a.radius - b.radius >= OBSTACLE_GAP
+        assert distance(a.position, b.position) - a.shape.radius - b.shape.radius >= OBSTACLE_GAP
     for a, b in itertools.combinations(points, 2):
         assert distance(a, b) >= LEG
     for point, obstacle in itertools.product(points, task.obstacles):
-        assert distance(point, obstacle.position) - obstacle.radius >= TARGET_GAP
+        assert distance(point, obstacle.position) - obstacle.shape.radius >= TARGET_GAP
         # so that no margin up to its cap makes a target unreachable
         assert BOX_RADIUS + task.controller.d_min + AdaptiveSettings().cap <= TARGET_GAP
     for x, y, z in [*points, *(o.position for o in task.obstacles)]:
@@ -40,7 +40,7 @@ def test_a_task_keeps_all_distances(task):
 def test_numbers_and_radii_use_their_whole_ranges():
     assert {len(task.obstacles) for task in TASKS} == set(range(OBSTACLES[0], OBSTACLES[1] + 1))
     assert {len(task.targets) for task in TASKS} == set(range(TARGETS[0], TARGETS[1] + 1))
-    radii = [o.radius for task in TASKS for o in task.obstacles]
+    radii = [o.shape.radius for task in TASKS for o in task.obstacles]
     assert RADII[0] <= min(radii) < RADII[0] + 0.02
     assert RADII[1] - 0.04 < max(radii) <= RADII[1]
 
