@@ -115,6 +115,8 @@ class NewtonController(Controller):
             raise ValueError("centres and velocities must be (n, 3)")
         if problem.sigmas.shape != (n,) or problem.radii.ndim != 1:
             raise ValueError("radii and sigmas must be (n,)")
+        if problem.normals is not None and problem.normals.shape != (n, 3):
+            raise ValueError("normals must be (n, 3)")
         if problem.position.shape != (3,) or problem.desired.shape != (3,):
             raise ValueError("position and desired must be (3,)")
         if n > len(self._obstacles):
@@ -128,8 +130,13 @@ class NewtonController(Controller):
             rows[:, 3] = problem.radii
             rows[:, 4:7] = problem.velocities
             rows[:, 7] = problem.sigmas
+            if problem.normals is None:
+                rows[:, 8:] = 0.0
+            else:
+                rows[:, 8:11] = problem.normals
+                rows[:, kernel.FLAT] = problem.flat
         return n
 
     def _reserve(self, capacity: int) -> None:
-        self._obstacles = np.zeros((capacity, 8))
+        self._obstacles = np.zeros((capacity, kernel.COLUMNS))
         self._multipliers = np.zeros((capacity, self.settings.horizon))
