@@ -74,6 +74,7 @@ class NewtonController(Controller):
         self._position = np.zeros(3)
         self._desired = np.zeros(3)
         self._plan = np.zeros((settings.horizon + 1, 3))
+        self._planes = False  # whether any row of the buffer is one
         self._reserve(16)
         self.reset()
 
@@ -130,11 +131,13 @@ class NewtonController(Controller):
             rows[:, 3] = problem.radii
             rows[:, 4:7] = problem.velocities
             rows[:, 7] = problem.sigmas
-            if problem.normals is None:
-                rows[:, 8:] = 0.0
-            else:
+            if problem.normals is not None:
                 rows[:, 8:11] = problem.normals
                 rows[:, kernel.FLAT] = problem.flat
+                self._planes = True
+            elif self._planes:
+                self._obstacles[:, 8:] = 0.0
+                self._planes = False
         return n
 
     def _reserve(self, capacity: int) -> None:

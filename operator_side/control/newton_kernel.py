@@ -432,7 +432,7 @@ def input_is_bad(position, desired, obstacles, n):
         if not (abs(position[k]) < MAGNITUDE and abs(desired[k]) < MAGNITUDE):
             return True
     for j in range(n):
-        for k in range(COLUMNS):
+        for k in range(COLUMNS if obstacles[j, FLAT] != 0.0 else 8):
             if not abs(obstacles[j, k]) < MAGNITUDE:
                 return True
         if obstacles[j, 3] < 0.0:

@@ -189,7 +189,14 @@ def test_pruning_is_exact_and_alike_in_both_places():
             planes(rng, n),
         )
         table = np.column_stack(
-            [problem.centres, problem.radii, problem.velocities, problem.sigmas, problem.normals, problem.flat]
+            [
+                problem.centres,
+                problem.radii,
+                problem.velocities,
+                problem.sigmas,
+                problem.normals,
+                problem.flat,
+            ]
         )
         kept = np.empty(n, np.int64)
         count = kernel.prune(problem.position, table, n, limit, par, N + 1, kept)
