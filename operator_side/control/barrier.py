@@ -1,7 +1,8 @@
 """The barrier rows in numpy: what the solvers without compiled code, the baselines and the checks share.
 
 A row (j, i) is h_j(x_{i+1}) - sigma_j >= omega (1 - gamma) h_j(x_i), h_j(x_i) = |x_i - p_j - i dt v_j|^2 -
-R_j^2, omega >= 0. Rows of the paper (arXiv 2403.18650), with a velocity and a margin for each obstacle.
+R_j^2, omega >= 0. Rows of the paper (arXiv 2403.18650), with a velocity and a margin for each obstacle; planes have
+h_j(x_i) = n_j . (x_i - p_j - i dt v_j) - R_j, in m.
 """
 
 from dataclasses import replace
@@ -33,7 +34,16 @@ def input_is_good(problem: ControlProblem) -> bool:
             return False
         if array.size and not np.abs(array).max() < MAGNITUDE:
             return False
-    return not n or bool(problem.radii.min() >= 0.0)
+    return not n or (bool(problem.radii.min() >= 0.0) and _normals_are_good(problem))
+
+
+def _normals_are_good(problem: ControlProblem) -> bool:
+    normals = problem.normals
+    if normals is None:
+        return True
+    if normals.shape != problem.centres.shape or normals.dtype.kind not in "fiu":
+        return False
+    return bool(np.all(np.abs(np.sum(normals**2, axis=1) - problem.flat) < 1e-6))
 
 
 def path(problem: ControlProblem, plan: Array, dt: float) -> Array:
@@ -44,9 +54,39 @@ def path(problem: ControlProblem, plan: Array, dt: float) -> Array:
 def barriers(problem: ControlProblem, positions: Array, dt: float) -> Array:
     """(n, M+1) values h_j(x_i) at (M+1, 3) positions (m^2)."""
     moved = np.arange(len(positions))[:, None] * dt * problem.velocities[:, None, :]
-    away = positions[None, :, :] - problem.centres[:, None, :] - moved
-    values: Array = np.einsum("jik,jik->ji", away, away) - problem.radii[:, None] ** 2
-    return values
+    return values(problem, positions[None, :, :] - problem.centres[:, None, :] - moved)
+
+
+def values(problem: ControlProblem, away: Array) -> Array:
+    """(n, M) values of h at (n, M, 3) offsets from the obstacles' centres (m^2; planes m)."""
+    squares: Array = np.einsum("jik,jik->ji", away, away) - problem.radii[:, None] ** 2
+    if problem.normals is None:
+        return squares
+    heights = np.einsum("jk,jik->ji", problem.normals, away) - problem.radii[:, None]
+    return np.where(problem.flat[:, None] != 0.0, heights, squares)
+
+
+def gaps(problem: ControlProblem) -> tuple[Array, Array]:
+    """Distance of the start from each obstacle's centre, of a plane from it (n,), and outward normals (n, 3).
+
+    Where the start is at a centre, the normal is zero.
+    """
+    away = problem.position - problem.centres
+    lengths = np.sqrt(np.einsum("jk,jk->j", away, away))
+    outward = away / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    if problem.normals is None:
+        return lengths, outward
+    flat = problem.flat != 0.0
+    heights = np.einsum("jk,jk->j", problem.normals, away)
+    return np.where(flat, heights, lengths), np.where(flat[:, None], problem.normals, outward)
+
+
+def reaches(problem: ControlProblem) -> Array:
+    """(n,) distance from each obstacle's centre, or from the plane, at which h = sigma (m)."""
+    spheres: Array = np.sqrt(problem.radii**2 + problem.sigmas)
+    if problem.normals is None:
+        return spheres
+    return np.where(problem.flat != 0.0, problem.radii + problem.sigmas, spheres)
 
 
 def all_hold(problem: ControlProblem, plan: Array, settings: ControllerSettings) -> bool:
@@ -86,20 +126,27 @@ def can_bind(problem: ControlProblem, settings: ControllerSettings) -> NDArray[n
     rest = step**2 - gamma * problem.radii**2 - problem.sigmas
     discriminant = step**2 - gamma * rest
     bound = (step + np.sqrt(np.maximum(discriminant, 0.0))) / gamma
-    distance = np.linalg.norm(problem.position - problem.centres, axis=1)
-    answer: NDArray[np.bool_] = (discriminant >= 0.0) & (distance - (settings.horizon - 1) * step < bound)
-    return answer
+    distance, _ = gaps(problem)
+    farthest_in = distance - (settings.horizon - 1) * step
+    answer: NDArray[np.bool_] = (discriminant >= 0.0) & (farthest_in < bound)
+    if problem.normals is None:
+        return answer
+    binds = gamma * (farthest_in - problem.radii) < step + problem.sigmas
+    return np.where(problem.flat != 0.0, binds, answer)
 
 
 def cannot_recover(problem: ControlProblem, settings: ControllerSettings) -> bool:
     """Whether one step provably cannot reach h >= sigma somewhere though its row demands it."""
     dt = settings.period
     away = problem.position - problem.centres
-    now = np.sum(away**2, axis=1) - problem.radii**2
-    farthest = np.sum(
-        (np.abs(away - dt * problem.velocities) + dt * np.array(settings.speed_limit)) ** 2, axis=1
-    )
-    lost = farthest - problem.radii**2 < problem.sigmas - ROW_TOLERANCE
+    now = values(problem, away[:, None, :])[:, 0]
+    limits = np.array(settings.speed_limit)
+    drifted = away - dt * problem.velocities
+    farthest = np.sum((np.abs(drifted) + dt * limits) ** 2, axis=1) - problem.radii**2
+    if problem.normals is not None:
+        heights = np.sum(problem.normals * drifted + np.abs(problem.normals) * dt * limits, axis=1)
+        farthest = np.where(problem.flat != 0.0, heights - problem.radii, farthest)
+    lost = farthest < problem.sigmas - ROW_TOLERANCE
     return bool(np.any(((1.0 - settings.gamma) * now >= 0.0) & lost))
 
 
@@ -111,16 +158,16 @@ def subset(problem: ControlProblem, keep: NDArray[np.bool_] | NDArray[np.intp]) 
         radii=problem.radii[keep],
         velocities=problem.velocities[keep],
         sigmas=problem.sigmas[keep],
+        normals=None if problem.normals is None else problem.normals[keep],
     )
 
 
 def leaving_velocity(problem: ControlProblem, settings: ControllerSettings) -> Array:
     """(3,) straight away from the nearest obstacle at 0.6 of the limits (m/s); upwards from its very
     centre."""
-    away = problem.position - problem.centres
-    distance = np.linalg.norm(away, axis=1)
+    distance, outward = gaps(problem)
     nearest = int(np.argmin(distance - problem.radii))
-    if distance[nearest] < 1e-9:
+    if not np.any(outward[nearest]):
         return np.array([0.0, 0.0, 0.6 * settings.speed_limit[2]])
-    velocity: Array = 0.6 * np.array(settings.speed_limit) * away[nearest] / distance[nearest]
+    velocity: Array = 0.6 * np.array(settings.speed_limit) * outward[nearest]
     return velocity

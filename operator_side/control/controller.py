@@ -41,10 +41,11 @@ class ControlProblem:
     Attributes:
         position: (3,) start state, already predicted and compensated for lag (m).
         desired: (3,) desired velocity, held over the horizon (m/s).
-        centres: (n, 3) obstacle centres at the start of the horizon (m).
-        radii: (n,) R_j = r_robot + r_j + d_min + inflation (m).
+        centres: (n, 3) obstacle centres at the start of the horizon, of a plane any of its points (m).
+        radii: (n,) R_j = r_robot + r_j + d_min + inflation, of a plane without r_j (m).
         velocities: (n, 3) obstacle velocities (m/s).
-        sigmas: (n,) the paper's margin, subtracted from h_j (m as printed there, acts in m^2).
+        sigmas: (n,) the paper's margin, subtracted from h_j (m as printed there, acts in m^2; of a plane in m).
+        normals: (n, 3) of planes, unit vectors out of what is solid; zero for spheres; None: all are spheres.
     """
 
     position: Array
@@ -53,6 +54,14 @@ class ControlProblem:
     radii: Array
     velocities: Array
     sigmas: Array
+    normals: Array | None = None
+
+    @property
+    def flat(self) -> Array:
+        """(n,) 1 for planes, 0 for spheres."""
+        if self.normals is None:
+            return np.zeros(len(self.radii))
+        return np.any(self.normals != 0.0, axis=1).astype(float)
 
 
 @dataclass(frozen=True, slots=True)

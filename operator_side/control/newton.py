@@ -74,6 +74,7 @@ class NewtonController(Controller):
         self._position = np.zeros(3)
         self._desired = np.zeros(3)
         self._plan = np.zeros((settings.horizon + 1, 3))
+        self._planes = False  # whether any row of the buffer is one
         self._reserve(16)
         self.reset()
 
@@ -115,6 +116,8 @@ class NewtonController(Controller):
             raise ValueError("centres and velocities must be (n, 3)")
         if problem.sigmas.shape != (n,) or problem.radii.ndim != 1:
             raise ValueError("radii and sigmas must be (n,)")
+        if problem.normals is not None and problem.normals.shape != (n, 3):
+            raise ValueError("normals must be (n, 3)")
         if problem.position.shape != (3,) or problem.desired.shape != (3,):
             raise ValueError("position and desired must be (3,)")
         if n > len(self._obstacles):
@@ -128,8 +131,15 @@ class NewtonController(Controller):
             rows[:, 3] = problem.radii
             rows[:, 4:7] = problem.velocities
             rows[:, 7] = problem.sigmas
+            if problem.normals is not None:
+                rows[:, 8:11] = problem.normals
+                rows[:, kernel.FLAT] = problem.flat
+                self._planes = True
+            elif self._planes:
+                self._obstacles[:, 8:] = 0.0
+                self._planes = False
         return n
 
     def _reserve(self, capacity: int) -> None:
-        self._obstacles = np.zeros((capacity, 8))
+        self._obstacles = np.zeros((capacity, kernel.COLUMNS))
         self._multipliers = np.zeros((capacity, self.settings.horizon))

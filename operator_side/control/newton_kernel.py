@@ -7,7 +7,7 @@ the functions are the names of its sections. SI units throughout.
 Arrays:
     plan: (N+1, 3) velocities u_0..u_N; u_N is free and enters the cost only (m/s).
     path: (N+2, 3) positions x_0..x_{N+1}, x_{i+1} = x_i + dt u_i (m).
-    obstacles: (capacity, 8) rows of centre (3), R, velocity (3), sigma.
+    obstacles: (capacity, 12) rows of centre (3), R, velocity (3), sigma, normal (3), whether it is a plane (0 or 1).
     kept: (capacity,) indices of the obstacles that can bind; the first `count` are valid.
     multipliers: (capacity, N), one for each row (j, i): h_j(x_{i+1}) - sigma_j >= omega (1 - gamma) h_j(x_i).
     limit: (3,) u_b for each axis (m/s).
@@ -27,6 +27,8 @@ OPTIMAL, SHORTCUT, ELASTIC, CAPPED, INFEASIBLE, BAD_INPUT = range(6)
 # slack, and the curvature of the cost in one velocity, which scales gradients to velocities
 DT, Q, R, P, S, P_OMEGA, DECAY, RHO, PRICE, PRICE_MAX, CURVATURE = range(11)
 PARAMETERS = 11
+FLAT = 11
+COLUMNS = 12  # of obstacles
 BAND = 7  # x_i meets its neighbours' three axes, and its second neighbour on the same axis only
 
 ROW_TOLERANCE = 1e-5  # m^2, by which a barrier row may be missed
@@ -40,7 +42,12 @@ _compiled = njit(cache=USABLE, nogil=True, fastmath=False, error_model="numpy")
 
 @_compiled
 def barrier(path, i, obstacles, j, dt):
-    """h_j(x_i) = |x_i - p_j - i dt v_j|^2 - R_j^2 (m^2)."""
+    """h_j(x_i) = |x_i - p_j - i dt v_j|^2 - R_j^2 (m^2); of a plane n_j . (x_i - p_j - i dt v_j) - R_j (m)."""
+    if obstacles[j, FLAT] != 0.0:
+        h = -obstacles[j, 3]
+        for k in range(3):
+            h += obstacles[j, 8 + k] * (path[i, k] - obstacles[j, k] - i * dt * obstacles[j, 4 + k])
+        return h
     h = -obstacles[j, 3] * obstacles[j, 3]
     for k in range(3):
         d = path[i, k] - obstacles[j, k] - i * dt * obstacles[j, 4 + k]
@@ -142,6 +149,8 @@ def merit_derivatives(
     grad_b = np.empty(3)
     for q in range(count):
         j = kept[q]
+        flat = obstacles[j, FLAT] != 0.0
+        own = 0.0 if flat else theta * 2  # curvature of h
         h = barrier(path, 0, obstacles, j, dt)
         for i in range(last):
             h_next = barrier(path, i + 1, obstacles, j, dt)
@@ -157,18 +166,23 @@ def merit_derivatives(
             if l <= 0.0:
                 continue
             lean = omega + theta * (omega - 1.0) if omega > 0.0 else 0.0
-            for k in range(3):
-                grad_t[k] = 2 * (path[i + 1, k] - obstacles[j, k] - (i + 1) * dt * obstacles[j, 4 + k])
-                grad_b[k] = 2 * decay * (path[i, k] - obstacles[j, k] - i * dt * obstacles[j, 4 + k])
+            if flat:
+                for k in range(3):
+                    grad_t[k] = obstacles[j, 8 + k]
+                    grad_b[k] = decay * obstacles[j, 8 + k]
+            else:
+                for k in range(3):
+                    grad_t[k] = 2 * (path[i + 1, k] - obstacles[j, k] - (i + 1) * dt * obstacles[j, 4 + k])
+                    grad_b[k] = 2 * decay * (path[i, k] - obstacles[j, k] - i * dt * obstacles[j, 4 + k])
             for k in range(3):
                 r = 3 * i + k  # of x_{i+1}; x_i is at r - 3, and x_0 is given
                 gradient[r] -= l * grad_t[k]
-                band[r, 0] -= theta * 2 * l
+                band[r, 0] -= own * l
                 for m in range(k + 1):
                     band[r, k - m] += c * grad_t[k] * grad_t[m]
                 if i > 0:
                     gradient[r - 3] += l * omega * grad_b[k]
-                    band[r - 3, 0] += theta * 2 * l * omega * decay
+                    band[r - 3, 0] += own * l * omega * decay
                     for m in range(k + 1):
                         band[r - 3, k - m] += (c * lean * lean + theta * kb) * grad_b[k] * grad_b[m]
                     for m in range(3):
@@ -236,7 +250,7 @@ def prune(position, obstacles, n, limit, par, stages, kept):
     """Fill `kept` with the obstacles that can bind within the horizon; returns their number.
 
     Exact: a row holds for every velocity in the box when gamma D^2 - 2 s D + s^2 - gamma R^2 - sigma >= 0 at
-    every distance D that can be reached, with s the longest relative step.
+    every distance D that can be reached, with s the longest relative step; a plane's where gamma h - s - sigma >= 0.
     """
     gamma = 1.0 - par[DECAY]
     reach = par[DT] * np.sqrt(limit[0] ** 2 + limit[1] ** 2 + limit[2] ** 2)
@@ -248,6 +262,14 @@ def prune(position, obstacles, n, limit, par, stages, kept):
             square += (position[k] - obstacles[j, k]) ** 2
             speed += obstacles[j, 4 + k] ** 2
         step = reach + par[DT] * np.sqrt(speed)
+        if obstacles[j, FLAT] != 0.0:
+            h = -obstacles[j, 3]
+            for k in range(3):
+                h += obstacles[j, 8 + k] * (position[k] - obstacles[j, k])
+            if gamma * (h - (stages - 2) * step) < step + obstacles[j, 7]:
+                kept[count] = j
+                count += 1
+            continue
         rest = step * step - gamma * obstacles[j, 3] ** 2 - obstacles[j, 7]
         discriminant = step * step - gamma * rest
         if discriminant < 0.0:
@@ -410,7 +432,7 @@ def input_is_bad(position, desired, obstacles, n):
         if not (abs(position[k]) < MAGNITUDE and abs(desired[k]) < MAGNITUDE):
             return True
     for j in range(n):
-        for k in range(8):
+        for k in range(COLUMNS if obstacles[j, FLAT] != 0.0 else 8):
             if not abs(obstacles[j, k]) < MAGNITUDE:
                 return True
         if obstacles[j, 3] < 0.0:
@@ -433,7 +455,7 @@ def shift(plan, multipliers, n):
 def nearest_and_proof(position, obstacles, kept, count, limit, par):
     """The nearest obstacle, its distance, and whether one step provably cannot reach h >= sigma.
 
-    Returns (index or -1, |x - p| - R, proven).
+    Returns (index or -1, |x - p| - R, of a plane n . (x - p) - R, proven).
     """
     dt = par[DT]
     nearest = -1
@@ -443,6 +465,20 @@ def nearest_and_proof(position, obstacles, kept, count, limit, par):
         j = kept[q]
         now = 0.0
         farthest = 0.0
+        if obstacles[j, FLAT] != 0.0:
+            now = -obstacles[j, 3]
+            farthest = -obstacles[j, 3]
+            for k in range(3):
+                n_k = obstacles[j, 8 + k]
+                d = position[k] - obstacles[j, k]
+                now += n_k * d
+                farthest += n_k * (d - dt * obstacles[j, 4 + k]) + abs(n_k) * limit[k] * dt
+            if now < gap:
+                gap = now
+                nearest = j
+            if par[DECAY] * now >= 0.0 and farthest < obstacles[j, 7] - ROW_TOLERANCE:
+                proven = True
+            continue
         for k in range(3):
             d = position[k] - obstacles[j, k]
             now += d * d
@@ -501,10 +537,13 @@ def solve(position, desired, obstacles, n, plan, multipliers, warm, limit, par, 
         else:
             y[:, :] = 0.0
             length = gap + obstacles[nearest, 3]
+            flat = obstacles[nearest, FLAT] != 0.0
             for i in range(stages):
                 for k in range(3):
                     outward = position[k] - obstacles[nearest, k]
                     toward = outward / length if length > 1e-9 else (1.0 if k == 2 else 0.0)
+                    if flat:
+                        toward = obstacles[nearest, 8 + k]
                     candidate[i, k] = 0.6 * limit[k] * toward
         s, used, f, v = descend(
             position, desired, obstacles, kept, count, candidate, y, limit, par, base, cap

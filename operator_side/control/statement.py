@@ -5,7 +5,7 @@ Periotto et al., "MPC-CBF with Adaptive Safety Margins", arXiv 2403.18650. With 
                                        + sum_j P_omega (omega_ij - 1)^2)
     with   |u_i| <= u_b on each axis, omega_ij >= 0, and for each obstacle j and stage i < N
            h_j(x_{i+1}) - sigma_j >= omega_ij (1 - gamma) h_j(x_i),
-           h_j(x_i) = |x_i - p_j - i dt v_j|^2 - R_j^2.
+           h_j(x_i) = |x_i - p_j - i dt v_j|^2 - R_j^2, of a plane n_j . (x_i - p_j - i dt v_j) - R_j.
 SI units; base frame.
 """
 
@@ -26,7 +26,8 @@ class SymbolicProblem:
 
     Attributes:
         variables: u (3(N+1), stage by stage), then x_1..x_N (3N) unless condensed, then omega (N times
-        slots). parameters: x_0 (3), u^ (3), then for each slot centre (3), R, velocity (3), sigma.
+        slots). parameters: x_0 (3), u^ (3), then for each slot centre (3), R, velocity (3), sigma,
+        normal (3; zero for spheres).
         cost, constraints: expressions in them; dynamics first unless condensed, then the rows slot by slot.
         lower, upper: bounds of the variables.
         constraints_lower, constraints_upper: bounds of the constraints.
@@ -64,7 +65,7 @@ def state_problem(settings: ControllerSettings, slots: int, condensed: bool) -> 
     omega = casadi.SX.sym("omega", n, slots)
     start = casadi.SX.sym("start", 3)
     desired = casadi.SX.sym("desired", 3)
-    obstacles = casadi.SX.sym("obstacles", 8, slots)
+    obstacles = casadi.SX.sym("obstacles", 11, slots)
     free = casadi.SX.sym("x", 3, 0 if condensed else n)
 
     path = [start]
@@ -100,8 +101,11 @@ def state_problem(settings: ControllerSettings, slots: int, condensed: bool) -> 
 
 
 def barrier(position: Any, stage: int, obstacle: Any, dt: float) -> Any:
-    """h of one obstacle (8,) at a position (3,) of the given stage."""
-    return casadi.sumsqr(position - obstacle[:3] - stage * dt * obstacle[4:7]) - obstacle[3] ** 2
+    """h of one obstacle (11,) at a position (3,) of the given stage."""
+    away = position - obstacle[:3] - stage * dt * obstacle[4:7]
+    normal, radius = obstacle[8:11], obstacle[3]
+    flat = casadi.sumsqr(normal)
+    return (1 - flat) * (casadi.sumsqr(away) - radius**2) + casadi.dot(normal, away) - flat * radius
 
 
 def tracking_cost(u: Any, desired: Any, settings: ControllerSettings) -> Any:
@@ -117,10 +121,12 @@ def tracking_cost(u: Any, desired: Any, settings: ControllerSettings) -> Any:
 def parameter_values(problem: ControlProblem, slots: int) -> Array:
     """Values for `parameters`; slots without an obstacle get one that is 10 m away and never binds."""
     count = len(problem.radii)
-    table = np.zeros((slots, 8))
+    table = np.zeros((slots, 11))
     table[:, :3] = problem.position + np.array([10.0, 0.0, 0.0])
     table[:count, :3] = problem.centres
     table[:count, 3] = problem.radii
     table[:count, 4:7] = problem.velocities
     table[:count, 7] = problem.sigmas
+    if problem.normals is not None:
+        table[:count, 8:] = problem.normals
     return np.concatenate([problem.position, problem.desired, table.ravel()])

@@ -57,9 +57,11 @@ class OneStep(Controller):
         dt = self.settings.period
         away = problem.position - problem.centres  # of the obstacle now
         reached = away + dt * (around - problem.velocities)
-        now = np.sum(away**2, axis=1) - problem.radii**2
-        value = np.sum(reached**2, axis=1) - problem.radii**2 - problem.sigmas
+        now = rows.values(problem, away[:, None])[:, 0]
+        value = rows.values(problem, reached[:, None])[:, 0] - problem.sigmas
         slope = 2.0 * dt * reached
+        if problem.normals is not None:
+            slope = np.where(problem.flat[:, None] != 0.0, dt * problem.normals, slope)
         bound = (1.0 - self.settings.gamma) * now - value + np.sum(slope * around, axis=1)
         upper = np.concatenate([self._limit, np.full(len(bound), 1e30)])
         lower = np.concatenate([-self._limit, bound])

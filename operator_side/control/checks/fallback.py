@@ -57,6 +57,7 @@ def harmless_steps(problem: ControlProblem, plan: Array, dt: float, gamma: float
         inside (h < sigma): h must not fall anywhere along the step (see _never_nearer);
         outside: h(x_{i+1}) - sigma >= (1 - gamma) (h(x_i) - sigma), so that h stays above sigma;
         either way a step is allowed that is nowhere nearer than standing still, for the obstacle may move.
+    Of planes h is a height.
 
     Args:
         problem: the tick's problem.
@@ -70,11 +71,14 @@ def harmless_steps(problem: ControlProblem, plan: Array, dt: float, gamma: float
     stage = np.arange(len(plan))[:, None] * dt
     away = positions[None, :-1] - problem.centres[:, None] - stage * problem.velocities[:, None]
     motion = plan[None] - problem.velocities[:, None]
-    square = problem.radii[:, None] ** 2 + problem.sigmas[:, None]
-    room = np.sum(away**2, axis=2) - square  # h(x_i) - sigma
-    room_next = np.sum((away + dt * motion) ** 2, axis=2) - square
-    room_standing = np.sum((away - dt * problem.velocities[:, None]) ** 2, axis=2) - square
-    keeps = _never_nearer(away, motion, np.broadcast_to(-problem.velocities[:, None], motion.shape), dt)
+    still = np.broadcast_to(-problem.velocities[:, None], motion.shape)
+    room = rows.values(problem, away) - problem.sigmas[:, None]  # h(x_i) - sigma
+    room_next = rows.values(problem, away + dt * motion) - problem.sigmas[:, None]
+    room_standing = rows.values(problem, away + dt * still) - problem.sigmas[:, None]
+    keeps = _never_nearer(away, motion, still, dt)
+    if problem.normals is not None:
+        up, up_standing = (np.einsum("jk,jik->ji", problem.normals, w) for w in (motion, still))
+        keeps = np.where(problem.flat[:, None] != 0.0, up >= np.minimum(up_standing, 0.0) - 1e-12, keeps)
 
     inside = room < -NEAR
     holds = room_next >= np.minimum((1.0 - gamma) * np.maximum(room, 0.0) - NEAR, room_standing)
@@ -106,5 +110,5 @@ def _never_nearer(away: Array, motion: Array, standing: Array, dt: float) -> NDA
 
 def _starts_inside(problem: ControlProblem) -> bool:
     away = problem.position - problem.centres
-    room = np.einsum("jk,jk->j", away, away) - problem.radii**2 - problem.sigmas
+    room = rows.values(problem, away[:, None])[:, 0] - problem.sigmas
     return bool((room < -NEAR).any())

@@ -111,7 +111,8 @@ def test_the_shortcut_is_the_full_solve(seed):
     solution = solve(problem)
     assume(solution.status is Status.SHORTCUT)
     n, stages = len(problem.radii), SETTINGS.horizon + 1
-    table = np.column_stack([problem.centres, problem.radii, problem.velocities, problem.sigmas])
+    spheres = np.zeros((n, kernel.FLAT + 1 - 8))
+    table = np.column_stack([problem.centres, problem.radii, problem.velocities, problem.sigmas, spheres])
     plan = stream(seed, "start").uniform(-0.3, 0.3, (stages, 3)) * 0.2 + np.outer(
         unconstrained_gains(SETTINGS), problem.desired
     )

@@ -47,7 +47,7 @@ def reference():
     x = casadi.SX.sym("x", 3, N + 1)
     start = casadi.SX.sym("start", 3)
     desired = casadi.SX.sym("desired", 3)
-    obstacles = casadi.SX.sym("obstacles", 8, COUNT)
+    obstacles = casadi.SX.sym("obstacles", kernel.COLUMNS, COUNT)
     y = casadi.SX.sym("y", N, COUNT)
     path = casadi.horzcat(start, x)
     u = (path[:, 1:] - path[:, :-1]) / SETTINGS.period
@@ -64,17 +64,27 @@ def reference():
 
 
 def random_case(rng):
-    """A plan among obstacles, some of which it enters, with random multipliers."""
+    """A plan among obstacles, one of them a plane, some of which it enters, with random multipliers."""
     plan = rng.uniform(-0.3, 0.3, (N + 1, 3))
     position = rng.uniform(-1, 1, 3)
-    obstacles = np.zeros((COUNT, 8))
+    obstacles = np.zeros((COUNT, kernel.COLUMNS))
     obstacles[:, :3] = position + rng.normal(scale=0.2, size=(COUNT, 3))
     obstacles[:, 3] = rng.uniform(0.05, 0.3, COUNT)
     obstacles[:, 4:7] = rng.uniform(-0.1, 0.1, (COUNT, 3))
     obstacles[:, 7] = rng.uniform(0, 0.02, COUNT)
+    normal = rng.normal(size=3)
+    obstacles[-1, 8:11], obstacles[-1, kernel.FLAT] = normal / np.linalg.norm(normal), 1.0
     multipliers = np.where(rng.random((COUNT, N)) < 0.5, 0.0, rng.uniform(0, 100, (COUNT, N)))
     path = np.vstack([position, position + SETTINGS.period * np.cumsum(plan, axis=0)])
     return position, rng.uniform(-0.3, 0.3, 3), obstacles, plan, path, multipliers
+
+
+def planes(rng, n):
+    """(n, 3) normals: every second obstacle is a plane that faces the start, more or less."""
+    normals = rng.normal(size=(n, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals[::2] = 0.0
+    return normals
 
 
 def dense(band):
@@ -176,8 +186,18 @@ def test_pruning_is_exact_and_alike_in_both_places():
             rng.uniform(0.05, 0.4, n),
             rng.uniform(-0.2, 0.2, (n, 3)),
             rng.uniform(0, 0.05, n),
+            planes(rng, n),
         )
-        table = np.column_stack([problem.centres, problem.radii, problem.velocities, problem.sigmas])
+        table = np.column_stack(
+            [
+                problem.centres,
+                problem.radii,
+                problem.velocities,
+                problem.sigmas,
+                problem.normals,
+                problem.flat,
+            ]
+        )
         kept = np.empty(n, np.int64)
         count = kernel.prune(problem.position, table, n, limit, par, N + 1, kept)
         mask = rows.can_bind(problem, SETTINGS)
@@ -186,6 +206,7 @@ def test_pruning_is_exact_and_alike_in_both_places():
         kept_some += count
         far = rows.subset(problem, ~mask)
         toward = far.centres / np.linalg.norm(far.centres, axis=1, keepdims=True)
+        toward = np.where(far.flat[:, None] != 0.0, -far.normals, toward)
         for j in range(len(far.radii)):
             late = rng.integers(0, N)
             plan = np.where(np.arange(N)[:, None] < late, 0.0, np.sign(toward[j])) * limit
