@@ -61,7 +61,8 @@ class ControlProblem:
         """(n,) 1 for planes, 0 for spheres."""
         if self.normals is None:
             return np.zeros(len(self.radii))
-        return np.any(self.normals != 0.0, axis=1).astype(float)
+        flat: Array = np.any(self.normals != 0.0, axis=1).astype(float)
+        return flat
 
 
 @dataclass(frozen=True, slots=True)
