@@ -9,8 +9,7 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.shapes.cover import cover
-from farhand.common.shapes.pose import rotation
+from farhand.operator_side.control.barrier import subset
 from farhand.operator_side.control.checks.body import clear_steps
 from farhand.operator_side.control.checks.fallback import safe_plan
 from farhand.operator_side.control.checks.recovery import eased
@@ -19,6 +18,7 @@ from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.law import Margin
 from farhand.operator_side.margins.trail import Trail
 from farhand.operator_side.prediction.law import Prediction
+from farhand.operator_side.seen_obstacles import SeenObstacles
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +75,7 @@ class SafetyFilter:
         self._trail = Trail(settings.speed_limit, robot.lag) if pays else None
         self._keep = robot.radius + settings.d_min
         self._controller = controller
-        self._scene: Scene | None = None
-        self._centres = self._velocities = np.zeros((0, 3))
-        self._radii = self._speeds = np.zeros(0)
-        self._ids: list[str] = []
-        self._moving = False
+        self._obstacles: SeenObstacles | None = None
 
     def filter(self, ahead: Ahead) -> Filtered:
         """The plan for a desired velocity.
@@ -88,35 +84,39 @@ class SafetyFilter:
         so no two clocks are compared.
         """
         prediction, margin, scene = ahead.prediction, ahead.margin, ahead.scene
-        self._look_at(scene)
-        centres = self._centres
-        if self._moving:
-            old = (ahead.state.t_sample_ns - scene.t_sample_ns) * 1e-9
-            centres = centres + self._velocities * (old + prediction.look + self._lag)
+        obstacles = self._seen(scene)
+        old = (ahead.state.t_sample_ns - scene.t_sample_ns) * 1e-9
+        seen = obstacles.at(old + prediction.look + self._lag)
         position = np.array(prediction.start)
-        radii = self._radii + margin.inflation
-        desired, kept, trail = np.array(ahead.desired), radii, self._trail if len(radii) else None
+        radii = seen.radii + margin.inflation
+        # A body that follows a bend cuts no plane: z above it is what the body heads for.
+        spheres = obstacles.spheres
+        desired, kept, trail = np.array(ahead.desired), radii, self._trail if spheres else None
         if trail is not None:
-            gaps = np.linalg.norm(position - centres, axis=1)
-            desired = trail.desired(desired, radii, gaps, self._speeds)
-            kept = trail.radii(radii, desired, norm(ahead.state.velocity), self._speeds)
+            gaps = np.linalg.norm(position - seen.centres[:spheres], axis=1)
+            speeds = seen.speeds[:spheres]
+            desired = trail.desired(desired, radii[:spheres], gaps, speeds)
+            grown = trail.radii(radii[:spheres], desired, norm(ahead.state.velocity), speeds)
+            kept = np.concatenate([grown, radii[spheres:]])
         problem = ControlProblem(
             position=position,
             desired=desired,
-            centres=centres,
+            centres=seen.centres,
             radii=kept,
-            velocities=self._velocities,
-            sigmas=np.full(len(self._radii), margin.sigma),
+            velocities=seen.velocities,
+            sigmas=np.full(len(radii), margin.sigma),
+            normals=obstacles.normals,
         )
         # A margin may have grown over the robot: then the way out is solved for, and checked as strictly.
         solution = self._controller.solve(eased(problem, self._settings) or problem)
         plan, reason = safe_plan(problem, solution, self._settings)
-        binding = self._ids[solution.binding] if solution.binding >= 0 else ""
+        binding = obstacles.ids[solution.binding] if solution.binding >= 0 else ""
         lag_part = 0.0
         if trail is not None:
-            plan, reason = self._kept_from_corners(problem, radii, plan, reason, ahead)
-            parts = kept - radii
-            lag_part = float(parts[np.argmin(gaps - radii)])
+            balls = subset(problem, np.arange(spheres)) if spheres < len(radii) else problem
+            plan, reason = self._kept_from_corners(balls, radii[:spheres], plan, reason, ahead)
+            parts = grown - radii[:spheres]
+            lag_part = float(parts[np.argmin(gaps - radii[:spheres])])
             trail.learn(desired, plan[0], float(np.max(parts)))
         return Filtered(plan, solution, binding, reason, lag_part)
 
@@ -140,19 +140,8 @@ class SafetyFilter:
         what = "stopped" if steps == 0 else f"plan cut after {steps} steps"
         return plan, reason or f"the body trails through a margin: {what}"
 
-    def _look_at(self, scene: Scene) -> None:
-        """Turn a new scene into arrays once."""
-        if scene is self._scene:
-            return
-        self._scene = scene
-        balls = [
-            (np.array(o.position) + np.array(rotation(o.orientation)) @ centre, radius, o)
-            for o in scene.obstacles
-            for centre, radius in zip(*cover(o), strict=True)
-        ]
-        self._centres = np.array([centre for centre, *_ in balls], dtype=float).reshape(-1, 3)
-        self._velocities = np.array([o.velocity for *_, o in balls], dtype=float).reshape(-1, 3)
-        self._radii = np.array([radius + self._keep for _, radius, _ in balls], dtype=float)
-        self._ids = [o.id for *_, o in balls]
-        self._speeds = np.sqrt(np.einsum("jk,jk->j", self._velocities, self._velocities))
-        self._moving = bool(np.any(self._velocities))
+    def _seen(self, scene: Scene) -> SeenObstacles:
+        """Rows of a scene, made once."""
+        if self._obstacles is None or self._obstacles.scene is not scene:
+            self._obstacles = SeenObstacles(scene, self._keep, self._settings)
+        return self._obstacles

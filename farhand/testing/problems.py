@@ -14,6 +14,7 @@ def problem(
     radii: Sequence[float] = (),
     velocities: Sequence[float] | Sequence[Sequence[float]] = (0.0, 0.0, 0.0),
     sigma: float | Sequence[float] = 0.0,
+    normals: Sequence[Sequence[float]] | None = None,
 ) -> ControlProblem:
     """One tick's problem, in arrays of its own.
 
@@ -24,6 +25,7 @@ def problem(
         radii: n, all that must be kept clear included (m).
         velocities: of the obstacles, one for all or n of three (m/s).
         sigma: the paper's margin, one for all or n (m^2).
+        normals: n of three; a unit vector makes a plane of a sphere, zeros leave it one.
 
     Raises:
         ValueError: there are not as many centres as radii.
@@ -36,4 +38,5 @@ def problem(
         radii=np.array(radii, dtype=float),
         velocities=np.zeros((n, 3)) + np.array(velocities, dtype=float),
         sigmas=np.full(n, sigma, dtype=float),
+        normals=None if normals is None else np.array(normals, dtype=float).reshape(n, 3),
     )
