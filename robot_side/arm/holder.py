@@ -4,7 +4,7 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.kinematics import Kinematics
-from farhand.robot_side.arm.model import JOINTS
+from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.arm.velocity_control import SINGULAR_BELOW
 
 SLOW = 0.005
@@ -15,17 +15,16 @@ NEAR_LIMIT = 0.05
 """To a joint's limit (rad): the braking before it has set in."""
 STRAIGHT = 0.25
 """Of the elbow's sine, under which the arm is stretched or folded."""
-_ELBOW, _WRIST = 2, 4
 
 
 def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, wanted: Array) -> str:
     """One of the words above; empty where the arm follows.
 
     Args:
-        kinematics: for the limits.
-        q: (6,) joint positions (rad).
-        jacobian: (6, 6) of the tool at q, linear part first.
-        commanded: (6,) joint velocities that were commanded for it (rad/s).
+        kinematics: of the arm.
+        q: (n,) joint positions (rad).
+        jacobian: (6, n) of the tool at q, linear part first.
+        commanded: (n,) joint velocities that were commanded for it (rad/s).
         wanted: (3,) tool velocity (m/s).
     """
     speed = float(np.linalg.norm(wanted))
@@ -38,10 +37,21 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
     down = (q - kinematics.lower < NEAR_LIMIT) & (free < 0.0)
     limited = np.flatnonzero(up | down)
     if limited.size:
-        return f"joint limit of {JOINTS[int(limited[0])]}"
+        return f"joint limit of {kinematics.arm.joint_names[int(limited[0])]}"
     if float(np.linalg.svd(jacobian, compute_uv=False)[-1]) < SINGULAR_BELOW:
-        if abs(np.sin(q[_ELBOW])) < STRAIGHT:
-            return "the edge of its reach"
-        return "a singularity of the wrist" if abs(np.sin(q[_WRIST])) < STRAIGHT else "a singularity"
+        return _singularity(q, kinematics.arm)
     fast = np.abs(free) / kinematics.max_velocity
-    return f"speed limit of {JOINTS[int(np.argmax(fast))]}" if float(fast.max()) > 1.0 else ""
+    return (
+        f"speed limit of {kinematics.arm.joint_names[int(np.argmax(fast))]}"
+        if float(fast.max()) > 1.0
+        else ""
+    )
+
+
+def _singularity(q: Array, arm: ArmModel) -> str:
+    """Which one, where it is known what tells them apart."""
+    if arm.elbow >= 0 and abs(np.sin(q[arm.elbow])) < STRAIGHT:
+        return "the edge of its reach"
+    if arm.wrist >= 0 and abs(np.sin(q[arm.wrist])) < STRAIGHT:
+        return "a singularity of the wrist"
+    return "a singularity"

@@ -1,4 +1,4 @@
-"""Kinematics of the UR5 by Pinocchio: base to tool0, everything expressed in the base frame."""
+"""Kinematics of an arm by Pinocchio: base to tool frame, everything expressed in the base frame."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from farhand.common.geometry import Array
 from farhand.common.messages.base import Vector3
-from farhand.robot_side.arm.model import HOME, TOOL_FRAME, urdf_path
+from farhand.robot_side.arm.model import ArmModel
 
 POSITION_TOLERANCE = 1e-6  # m
 ANGLE_TOLERANCE = 1e-6  # rad
@@ -23,7 +23,7 @@ class ToolKinematics:
     Attributes:
         position: (3,), m.
         R_base_tool: (3, 3) rotation.
-        jacobian: (6, 6), linear over angular velocity of the tool in base, per rad/s.
+        jacobian: (6, n), linear over angular velocity of the tool in base, per rad/s.
     """
 
     position: Array
@@ -34,20 +34,26 @@ class ToolKinematics:
 class Kinematics:
     """Forward and inverse kinematics of one arm; not for use by several threads.
 
+    Args:
+        arm: which.
+
     Attributes:
+        arm: which.
         lower, upper: joint position limits (rad).
         max_velocity: joint velocity limits (rad/s).
         R_base_tool_down: (3, 3) the tool pointing down, as it does at the home configuration.
     """
 
-    def __init__(self) -> None:
-        self._model = pin.buildModelFromUrdf(str(urdf_path()))
+    def __init__(self, arm: ArmModel) -> None:
+        self.arm = arm
+        self._model = pin.buildModelFromXML(arm.urdf)
         self._data = self._model.createData()
-        self._tool = self._model.getFrameId(TOOL_FRAME)
-        self.lower: Array = np.array(self._model.lowerPositionLimit)
-        self.upper: Array = np.array(self._model.upperPositionLimit)
-        self.max_velocity: Array = np.array(self._model.velocityLimit)
-        self.R_base_tool_down = self.tool(np.array(HOME)).R_base_tool
+        self._tool = self._model.getFrameId(arm.tool_frame)
+        self.lower: Array = arm.lower
+        self.upper: Array = arm.upper
+        self.max_velocity: Array = arm.max_velocity
+        self.R_base_tool_down = self.tool(arm.home).R_base_tool
+        self._heading = _heading(arm)
 
     @property
     def model(self) -> pin.Model:
@@ -55,7 +61,7 @@ class Kinematics:
         return self._model
 
     def tool(self, q: Array) -> ToolKinematics:
-        """Pose and Jacobian of the tool at joint positions q (6,), rad."""
+        """Pose and Jacobian of the tool at joint positions q (n,), rad."""
         jacobian = pin.computeFrameJacobian(
             self._model, self._data, q, self._tool, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         )
@@ -63,7 +69,7 @@ class Kinematics:
         return ToolKinematics(pose.translation.copy(), pose.rotation.copy(), jacobian)
 
     def inverse(self, position: Vector3, R_base_tool: Array, seed: Array) -> Array | None:
-        """Joint positions (6,) that bring the tool there, or None; Levenberg-Marquardt from `seed` (rad)."""
+        """Joint positions (n,) that bring the tool there, or None; Levenberg-Marquardt from `seed` (rad)."""
         wanted = np.array(position)
         q = np.clip(seed, self.lower, self.upper)
         for _ in range(_ITERATIONS):
@@ -81,13 +87,13 @@ class Kinematics:
         return None
 
     def inverse_tool_down(self, position: Vector3, seed: Array | None) -> Array | None:
-        """Joint positions (6,) with the tool pointing down, or None if no start of the search leads there."""
+        """Joint positions (n,) with the tool pointing as at home, or None if no start of the search leads there."""
         candidates = [] if seed is None else [seed]
-        home, turn = np.array(HOME), np.arctan2(position[1], position[0])
+        home, turn = self.arm.home, np.arctan2(position[1], position[0])
         for angle in (0.0, *(turn + np.array(_TURNS))):
-            # The first and the last joint turn together: so the tool keeps its heading.
+            # The last joint takes back what the first turns: so the tool keeps its heading.
             candidate = home.copy()
-            candidate[[0, 5]] = _wrapped(home[[0, 5]] + angle)
+            candidate[[0, -1]] = _wrapped(home[[0, -1]] + angle * self._heading)
             candidates.append(candidate)
         for candidate in candidates:
             q = self.inverse(position, self.R_base_tool_down, candidate)
@@ -100,6 +106,13 @@ def rotation_error(R_base_wanted: Array, R_base_tool: Array) -> Array:
     """(3,) rotation vector in base that turns the tool to where it is wanted (rad)."""
     error: Array = pin.log3(R_base_wanted @ R_base_tool.T)
     return error
+
+
+def _heading(arm: ArmModel) -> Array:
+    """(2,) how the first and the last joint turn so that the tool at home keeps its heading: alike, or against."""
+    rotations, _ = arm.poses(arm.home)
+    first, last = rotations[0] @ arm.axes[0], rotations[-1] @ arm.axes[-1]
+    return np.array([1.0, 1.0 if float(first @ last) < 0.0 else -1.0])
 
 
 def _wrapped(angles: Array) -> Array:

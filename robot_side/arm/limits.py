@@ -11,10 +11,13 @@ class JointBounds:
     Args:
         lower, upper: (n,) joint position limits (rad).
         max_velocity: (n,) rad/s.
-        max_acceleration: rad/s^2; also the deceleration that braking before a limit counts on.
+        max_acceleration: (n,) rad/s^2, or one for all; also the deceleration that braking before a limit counts on.
     """
 
-    def __init__(self, lower: Array, upper: Array, max_velocity: Array, max_acceleration: float) -> None:
+    def __init__(
+        self, lower: Array, upper: Array, max_velocity: Array, max_acceleration: Array | float
+    ) -> None:
+        self.n = len(lower)
         self._lower, self._upper = lower, upper
         self._max_velocity = max_velocity
         self._acceleration = max_acceleration

@@ -1,55 +1,219 @@
-"""Where the UR5's description lies, and what PyBullet needs of it."""
+"""The arm as data: kinematics, limits and shape, from URDF, SRDF and fitted capsules."""
 
-import sys
-import xml.etree.ElementTree as ET
-from pathlib import Path
+import dataclasses
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
 
 from farhand.common.errors import InputError
+from farhand.common.geometry import Array
+from farhand.robot_side.arm.capsules import CapsuleFile, FittedCapsule, LinkCapsule, read_capsules
+from farhand.robot_side.arm.catalogue import ARMS, KnownArm, capsule_path, data_folder
+from farhand.robot_side.arm.srdf import Semantics, read_srdf
+from farhand.robot_side.arm.urdf import Chain, nearest, read_urdf
 
-JOINTS = (
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "elbow_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-)
-TOOL_FRAME = "tool0"
-HOME = (-0.245, -1.63634, 1.97671, -1.91116, -1.5708, -0.245)  # rad; tool down at (0.45, 0, 0.30)
-TORQUE_LIMITS = (150.0, 150.0, 150.0, 28.0, 28.0, 28.0)  # N m
-
-_DATA = Path("cmeel.prefix/share/example-robot-data/robots")
-_PACKAGE = "package://example-robot-data/robots/"
+MAX_ACCELERATION = 15.0
+"""Of a joint of an arm whose file cannot say it (rad/s^2)."""
 
 
-def data_folder() -> Path:
-    """The folder of robot descriptions that the package example-robot-data brings; raises InputError."""
-    for entry in sys.path:
-        folder = Path(entry) / _DATA
-        if folder.is_dir():
-            return folder
-    raise InputError("the UR5's description is missing: install the package example-robot-data")
+@dataclass(frozen=True, slots=True, eq=False)
+class ArmModel:
+    """A serial chain of n (6 or 7) revolute joints on a base that stands.
+
+    Joint i turns by q_i about `axes[i]` in its own frame, which at q_i = 0 is placed in the frame of the joint before
+    it by `R_parent_joint[i]`, `p_parent_joint[i]`; the first one's in base:
+
+        T_base_i = T_base_(i-1) (R_parent_joint[i], p_parent_joint[i]) Rot(axes[i], q_i)
+        T_base_tool = T_base_(n-1) (R_last_tool, p_last_tool)
+
+    Attributes:
+        name: short, for the wire: `ur5`.
+        title: for people: `UR5`.
+        urdf: text for physics: no visuals, meshes by absolute path, what moves beside the chain fixed.
+        joint_names: n names.
+        tool_frame: link whose frame is the tool's.
+        home: (n,) rad.
+        lower, upper: (n,) position limits (rad).
+        max_velocity: (n,) rad/s.
+        max_acceleration: (n,) rad/s^2.
+        max_torque: (n,) N m.
+        R_parent_joint: (n, 3, 3).
+        p_parent_joint: (n, 3), m.
+        axes: (n, 3) unit vectors.
+        R_last_tool: (3, 3).
+        p_last_tool: (3,), m.
+        capsules: around the links, those of the base included.
+        self_pairs: of indices of capsules that must stay apart.
+        never_colliding: pairs of links whose contact means nothing.
+        elbow, wrist: indices of the joints at whose zero the arm is stretched, the wrist singular; -1: not known.
+        reach: where it finds room, for people; empty: not known.
+    """
+
+    name: str
+    title: str
+    urdf: str
+    joint_names: tuple[str, ...]
+    tool_frame: str
+    home: Array
+    lower: Array
+    upper: Array
+    max_velocity: Array
+    max_acceleration: Array
+    max_torque: Array
+    R_parent_joint: Array
+    p_parent_joint: Array
+    axes: Array
+    R_last_tool: Array
+    p_last_tool: Array
+    capsules: tuple[LinkCapsule, ...]
+    self_pairs: tuple[tuple[int, int], ...]
+    never_colliding: frozenset[frozenset[str]]
+    elbow: int = -1
+    wrist: int = -1
+    reach: str = ""
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
+
+    @property
+    def longest_reach(self) -> float:
+        """No point of the tool frame is farther from the first joint (m)."""
+        lengths = np.linalg.norm(self.p_parent_joint[1:], axis=1)
+        return float(np.sum(lengths) + np.linalg.norm(self.p_last_tool))
+
+    def poses(self, q: Array) -> tuple[Array, Array]:
+        """Rotations (n, 3, 3) and origins (n, 3) of the joints' frames in base at q (n,): plain, for reference."""
+        R, p = np.eye(3), np.zeros(3)
+        rotations, origins = np.empty((self.n, 3, 3)), np.empty((self.n, 3))
+        for i, angle in enumerate(q):
+            p = p + R @ self.p_parent_joint[i]
+            R = R @ self.R_parent_joint[i] @ _turn(self.axes[i], float(angle))
+            rotations[i], origins[i] = R, p
+        return rotations, origins
+
+    def tool_pose(self, q: Array) -> tuple[Array, Array]:
+        """Rotation (3, 3) and position (3,) of the tool in base at q (n,)."""
+        rotations, origins = self.poses(q)
+        return rotations[-1] @ self.R_last_tool, origins[-1] + rotations[-1] @ self.p_last_tool
+
+    def segments(self, q: Array) -> Array:
+        """(m, 2, 3) ends of the capsules' segments in base at q (n,), m."""
+        rotations, origins = self.poses(q)
+        ends = np.array([(capsule.a, capsule.b) for capsule in self.capsules]).reshape(-1, 2, 3)
+        for index, capsule in enumerate(self.capsules):
+            if capsule.joint >= 0:
+                ends[index] = ends[index] @ rotations[capsule.joint].T + origins[capsule.joint]
+        return ends
 
 
-def urdf_path() -> Path:
-    """The UR5 with limited joints."""
-    return data_folder() / "ur_description/urdf/ur5_joint_limited_robot.urdf"
+@cache
+def model(name: str) -> ArmModel:
+    """A known arm by name: ur3, ur5, ur10, panda; raises InputError."""
+    known = ARMS.get(name)
+    if known is None:
+        raise InputError(f"{name!r}: no such arm; {nearest(name, ARMS)}")
+    chain, semantics = read_known(known)
+    built = assemble(chain, known.tool_frame, semantics.never_colliding, read_capsules(capsule_path(name)))
+    return dataclasses.replace(
+        built,
+        name=name,
+        title=known.title,
+        home=np.array(known.home),
+        max_acceleration=np.array(known.max_acceleration),
+        elbow=known.elbow,
+        wrist=known.wrist,
+        reach=known.reach,
+    )
 
 
-def collision_urdf() -> str:
-    """The URDF's text without visuals, which take a second to load, and with meshes by absolute path."""
-    tree = ET.parse(urdf_path())
-    for link in tree.iter("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
-    for mesh in tree.iter("mesh"):
-        name = mesh.get("filename", "")
-        mesh.set("filename", str(data_folder() / name.removeprefix(_PACKAGE)))
-    return ET.tostring(tree.getroot(), encoding="unicode")
+def read_known(known: KnownArm) -> tuple[Chain, Semantics]:
+    """What the files of a known arm say."""
+    folder = data_folder()
+    return read_urdf(folder / known.urdf, known.tool_frame), read_srdf(folder / known.srdf)
 
 
-def never_colliding_pairs() -> set[frozenset[str]]:
-    """Pairs of links whose contact means nothing, from the SRDF."""
-    srdf = data_folder() / "ur_description/srdf/ur5_joint_limited_robot.srdf"
-    pairs = ET.parse(srdf).iter("disable_collisions")
-    return {frozenset((pair.get("link1", ""), pair.get("link2", ""))) for pair in pairs}
+def assemble(
+    chain: Chain, tool_frame: str, never_colliding: frozenset[frozenset[str]], fitted: CapsuleFile
+) -> ArmModel:
+    """The model of a chain, at home in the middle of its joints' limits.
+
+    Args:
+        chain: from a URDF.
+        tool_frame: link.
+        never_colliding: pairs of links whose contact means nothing.
+        fitted: capsules; a link that they name must be in the URDF.
+    """
+    pinocchio = pin.buildModelFromXML(chain.text)
+    joints = [pinocchio.getJointId(name) for name in chain.joint_names]
+    if joints != list(range(1, pinocchio.njoints)):
+        raise InputError(f"URDF of {chain.name!r}: its joints are no single chain")
+    placements = [pinocchio.jointPlacements[joint] for joint in joints]
+    tool = pinocchio.frames[pinocchio.getFrameId(tool_frame)]
+    capsules = tuple(_in_joint_frame(pinocchio, each) for each in fitted.capsules)
+    apart = never_colliding | {frozenset(pair) for pair in fitted.overlapping}
+    return ArmModel(
+        name=chain.name,
+        title=chain.name,
+        urdf=chain.text,
+        joint_names=chain.joint_names,
+        tool_frame=tool_frame,
+        home=(chain.lower + chain.upper) / 2.0,
+        lower=chain.lower,
+        upper=chain.upper,
+        max_velocity=chain.max_velocity,
+        max_acceleration=np.full(len(joints), MAX_ACCELERATION),
+        max_torque=chain.max_torque,
+        R_parent_joint=np.array([placement.rotation for placement in placements]),
+        p_parent_joint=np.array([placement.translation for placement in placements]),
+        axes=_axes(pinocchio),
+        R_last_tool=tool.placement.rotation.copy(),
+        p_last_tool=tool.placement.translation.copy(),
+        capsules=capsules,
+        self_pairs=pairs_to_keep_apart(capsules, apart),
+        never_colliding=never_colliding,
+    )
+
+
+def pairs_to_keep_apart(
+    capsules: Sequence[LinkCapsule], never: Iterable[frozenset[str]]
+) -> tuple[tuple[int, int], ...]:
+    """Pairs of capsules that move against each other, without the pairs of parts in `never`."""
+    excluded = frozenset(never)
+    return tuple(
+        (i, j)
+        for i, one in enumerate(capsules)
+        for j, other in enumerate(capsules)
+        if i < j and one.joint != other.joint and frozenset((one.part, other.part)) not in excluded
+    )
+
+
+def _in_joint_frame(pinocchio: pin.Model, fitted: FittedCapsule) -> LinkCapsule:
+    if not pinocchio.existBodyName(fitted.link):
+        links = [frame.name for frame in pinocchio.frames if frame.type == pin.FrameType.BODY]
+        raise InputError(f"capsules: link {fitted.link!r}: no such link; {nearest(fitted.link, links)}")
+    frame = pinocchio.frames[pinocchio.getBodyId(fitted.link)]
+    a, b = (frame.placement.act(np.array(end)) for end in (fitted.a, fitted.b))
+    return LinkCapsule(fitted.link, frame.parentJoint - 1, a, b, fitted.radius)
+
+
+def _axes(pinocchio: pin.Model) -> Array:
+    """(n, 3): what each joint turns about, in its own frame."""
+    data, q = pinocchio.createData(), pin.neutral(pinocchio)
+    axes = [
+        pin.computeJointJacobian(pinocchio, data, q, joint)[3:, joint - 1]
+        for joint in range(1, pinocchio.njoints)
+    ]
+    return np.array(axes)
+
+
+def _turn(axis: Array, angle: float) -> Array:
+    """(3, 3) rotation by an angle (rad) about a unit vector."""
+    x, y, z = axis
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn: Array = np.eye(3) + np.sin(angle) * across + (1.0 - np.cos(angle)) * (across @ across)
+    return turn

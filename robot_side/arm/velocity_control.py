@@ -28,6 +28,8 @@ MAX_DAMPING = 0.05
 PLAIN = 0.2
 """Cosine to the gradient of the smallest singular value from which a motion leads out of a singularity plainly."""
 _LEAST_SPEED_WEIGHT = 1e-6
+_REST = 1e-3
+"""Damping of an arm with more than six joints: of all motions that do the same to the tool, the least."""
 _NO_TURN: Array = np.zeros(3)
 
 
@@ -49,11 +51,11 @@ class VelocityControl(Protocol):
         dt: float,
         omega_in_base: Array = _NO_TURN,
     ) -> Array:
-        """Joint velocities to command now (6,), rad/s.
+        """Joint velocities to command now (n,), rad/s.
 
         Args:
-            q: (6,) joint positions (rad).
-            previous: (6,) what was commanded last (rad/s).
+            q: (n,) joint positions (rad).
+            previous: (n,) what was commanded last (rad/s).
             tool: kinematics at q.
             v_tool_in_base: (3,) wanted tool velocity (m/s).
             dt: control period (s).
@@ -76,11 +78,12 @@ class DirectionKeeping:
     def __init__(self, bounds: JointBounds, R_base_wanted: Array) -> None:
         self._bounds = bounds
         self.R_base_wanted = R_base_wanted
-        self._H = np.zeros((7, 7))
-        self._f = np.zeros(7)
-        self._low, self._high = np.zeros(7), np.ones(7)
-        self._no_rows = np.zeros((0, 7))
-        self._sense = np.zeros(7, dtype=np.int32)
+        n = self._n = bounds.n
+        self._H = np.zeros((n + 1, n + 1))
+        self._f = np.zeros(n + 1)
+        self._low, self._high = np.zeros(n + 1), np.ones(n + 1)
+        self._no_rows = np.zeros((0, n + 1))
+        self._sense = np.zeros(n + 1, dtype=np.int32)
         self.failures = 0
 
     def joint_velocity(
@@ -99,19 +102,20 @@ class DirectionKeeping:
         v = v_tool_in_base
         speed_squared = float(v @ v)
         speed_weight = max(speed_squared, _LEAST_SPEED_WEIGHT)
-        H, f = self._H, self._f
-        H[:6, :6] = LINE_WEIGHT * (J_lin.T @ J_lin) + ORIENTATION_WEIGHT * (J_ang.T @ J_ang)
-        H[range(6), range(6)] += LINE_WEIGHT * escaping_damping(tool.jacobian, np.concatenate([v, omega]))
-        H[:6, 6] = H[6, :6] = -LINE_WEIGHT * (J_lin.T @ v)
-        H[6, 6] = LINE_WEIGHT * speed_squared + speed_weight
-        f[:6] = -ORIENTATION_WEIGHT * (J_ang.T @ omega)
-        f[6] = -speed_weight
-        self._low[:6], self._high[:6] = low, high
+        H, f, n = self._H, self._f, self._n
+        H[:n, :n] = LINE_WEIGHT * (J_lin.T @ J_lin) + ORIENTATION_WEIGHT * (J_ang.T @ J_ang)
+        H[range(n), range(n)] += LINE_WEIGHT * escaping_damping(tool.jacobian, np.concatenate([v, omega]))
+        H[range(n), range(n)] += _REST if n > 6 else 0.0
+        H[:n, n] = H[n, :n] = -LINE_WEIGHT * (J_lin.T @ v)
+        H[n, n] = LINE_WEIGHT * speed_squared + speed_weight
+        f[:n] = -ORIENTATION_WEIGHT * (J_ang.T @ omega)
+        f[n] = -speed_weight
+        self._low[:n], self._high[:n] = low, high
         x, _, flag, _ = daqp.solve(H, f, self._no_rows, self._high, self._low, self._sense)
         if flag <= 0 or not np.isfinite(x).all():
             self.failures += 1
-            return np.clip(np.zeros(6), low, high)
-        limited: Array = np.clip(x[:6], low, high)
+            return np.clip(np.zeros(n), low, high)
+        limited: Array = np.clip(x[:n], low, high)
         return limited
 
 
@@ -120,7 +124,7 @@ class DampedLeastSquares:
 
     Args:
         bounds: of the joint velocities; what exceeds them is cut, which bends the path.
-        max_velocity: (6,) rad/s.
+        max_velocity: (n,) rad/s.
         R_base_wanted: (3, 3) orientation that the tool keeps.
     """
 
@@ -157,10 +161,10 @@ def escaping_damping(jacobian: Array, twist: Array) -> float:
     """`damping`, taken back as far as the wanted motion leads out of the singularity.
 
     Args:
-        jacobian: (6, 6) of the tool in base, linear over angular.
+        jacobian: (6, n) of the tool in base, linear over angular.
         twist: (6,) that is wanted, linear over angular (m/s, rad/s).
     """
-    U, singular, Vt = np.linalg.svd(jacobian)
+    U, singular, Vt = np.linalg.svd(jacobian, full_matrices=False)
     if singular[-1] >= SINGULAR_BELOW or not np.isfinite(twist).all():
         return _damping_at(float(singular[-1]))
     # Straight out of the singular values: the singular direction decides, as it alone needs fast joints.

@@ -1,4 +1,4 @@
-"""The UR5 in PyBullet: joint velocity motors with the arm's torque limits, inertias from the file."""
+"""An arm in PyBullet: joint velocity motors with the arm's torque limits, inertias from the file."""
 
 import tempfile
 from collections.abc import Sequence
@@ -11,19 +11,20 @@ import pinocchio as pin
 from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Array, Twist, to_vector3
 from farhand.common.messages.scene import Obstacle
+from farhand.common.quantities import Vector3
 from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
-from farhand.robot_side.arm.model import JOINTS, TORQUE_LIMITS, collision_urdf, never_colliding_pairs
+from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.arm.orientation import OrientationReference
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
+from farhand.robot_side.robots.arm_choice import chosen_arm
 from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 
-_REACH = "it reaches 0.27 to 0.7 m from its axis, 0.1 to 0.6 m high"
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
 
 
@@ -37,7 +38,8 @@ class ArmWorld:
     """
 
     def __init__(self, scenario: RobotScenario) -> None:
-        self.kinematics = Kinematics()
+        self.arm = chosen_arm(scenario.robot)
+        self.kinematics = Kinematics(self.arm)
         self._q = _start_configuration(self.kinematics, scenario)
         _check_targets(self.kinematics, self._q, scenario)
         self._bullet, self._client = connect()
@@ -60,8 +62,8 @@ class ArmWorld:
         bullet.setPhysicsEngineParameter(solverResidualThreshold=_RESIDUAL, physicsClientId=client)
         flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_SELF_COLLISION
         with tempfile.TemporaryDirectory() as folder, quiet():
-            path = Path(folder) / "ur5.urdf"
-            path.write_text(collision_urdf(), encoding="utf-8")
+            path = Path(folder) / "arm.urdf"
+            path.write_text(self.arm.urdf, encoding="utf-8")
             self.body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
         self.link_indices: dict[str, int] = {}
         joints: dict[str, int] = {}
@@ -69,13 +71,12 @@ class ArmWorld:
             info = bullet.getJointInfo(self.body, index, physicsClientId=client)
             joints[info[1].decode()] = index
             self.link_indices[info[12].decode()] = index
-        self.joint_indices = [joints[name] for name in JOINTS]
+        self.joint_indices = [joints[name] for name in self.arm.joint_names]
         for index, angle in zip(self.joint_indices, self._q, strict=True):
             bullet.resetJointState(self.body, index, angle, physicsClientId=client)
-        never = never_colliding_pairs()
         self._colliding_pairs: list[tuple[str, str]] = []
         for one, other in combinations(self.link_indices, 2):
-            if frozenset((one, other)) not in never:
+            if frozenset((one, other)) not in self.arm.never_colliding:
                 self._colliding_pairs.append((one, other))
                 continue
             a, b = self.link_indices[one], self.link_indices[other]
@@ -88,19 +89,19 @@ class ArmWorld:
             a, b = self.link_indices[one], self.link_indices[other]
             if bullet.getClosestPoints(self.body, self.body, 0.0, a, b, physicsClientId=client):
                 raise ScenarioError(
-                    f"scenario {scenario.name}: start: {one} and {other} of the UR5 touch there; "
+                    f"scenario {scenario.name}: start: {one} and {other} of the {self.arm.title} touch there; "
                     "choose another start, or other robot.joints to start the search from"
                 )
         nearest = self._obstacles.nearest(scenario.obstacles)
         if nearest is not None and nearest[0] <= 0.0:
             raise ScenarioError(
-                f"scenario {scenario.name}: start: the UR5's arm reaches {-nearest[0]:.3f} m into obstacle "
-                f"{nearest[1]!r} there; move the obstacle or the start"
+                f"scenario {scenario.name}: start: the {self.arm.title}'s arm reaches {-nearest[0]:.3f} m into "
+                f"obstacle {nearest[1]!r} there; move the obstacle or the start"
             )
 
 
-class UR5Robot(ArmWorld, Robot):
-    """Follows twists of its tool, which points down at the start and is kept as it was turned last.
+class ArmRobot(ArmWorld, Robot):
+    """Follows twists of its tool, which points as at home and is kept as it was turned last.
 
     Args:
         scenario: start, joints, velocity control, and the obstacles that the start must be clear of.
@@ -108,33 +109,28 @@ class UR5Robot(ArmWorld, Robot):
     Raises ScenarioError when the arm cannot reach start or targets, or would stand in a collision at the start.
     """
 
-    joint_names = JOINTS
-    model = "ur5"
     catches_up = True
 
     def __init__(self, scenario: RobotScenario) -> None:
         super().__init__(scenario)
-        settings = scenario.robot
-        bounds = JointBounds(
-            self.kinematics.lower,
-            self.kinematics.upper,
-            self.kinematics.max_velocity,
-            settings.max_joint_acceleration,
-        )
+        arm = self.arm
+        self.joint_names, self.model = arm.joint_names, arm.name
+        bounds = JointBounds(arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration)
         down = self.kinematics.R_base_tool_down
         self.control: VelocityControl = (
             DirectionKeeping(bounds, down)
-            if settings.velocity_control == "direction"
-            else DampedLeastSquares(bounds, self.kinematics.max_velocity, down)
+            if scenario.robot.velocity_control == "direction"
+            else DampedLeastSquares(bounds, arm.max_velocity, down)
         )
         self._orientation = OrientationReference(down)
-        self._commanded: Array = np.zeros(6)
+        self._commanded: Array = np.zeros(arm.n)
         self._wanted: Array = np.zeros(3)
+        self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
 
     @classmethod
-    def for_scenario(cls, scenario: RobotScenario) -> "UR5Robot":
+    def for_scenario(cls, scenario: RobotScenario) -> "ArmRobot":
         """See Robot."""
         return cls(scenario)
 
@@ -171,7 +167,7 @@ class UR5Robot(ArmWorld, Robot):
             self.joint_indices,
             bullet.VELOCITY_CONTROL,
             targetVelocities=self._commanded.tolist(),
-            forces=TORQUE_LIMITS,
+            forces=self._forces,
             physicsClientId=client,
         )
         bullet.stepSimulation(physicsClientId=client)
@@ -203,19 +199,20 @@ def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Arr
     joints = scenario.robot.joints
     q = kinematics.inverse_tool_down(scenario.start, None if joints is None else np.array(joints))
     if q is None:
-        x, y, z = scenario.start
-        raise ScenarioError(
-            f"scenario {scenario.name}: start: unreachable by the UR5 with the tool down: "
-            f"({x:g}, {y:g}, {z:g}) m; {_REACH}"
-        )
+        raise _unreachable("start", scenario.start, kinematics.arm, scenario)
     return q
 
 
 def _check_targets(kinematics: Kinematics, q: Array, scenario: RobotScenario) -> None:
     for index, target in enumerate(scenario.targets):
         if kinematics.inverse_tool_down(target, q) is None:
-            x, y, z = target
-            raise ScenarioError(
-                f"scenario {scenario.name}: targets[{index}]: unreachable by the UR5 with the tool down: "
-                f"({x:g}, {y:g}, {z:g}) m; {_REACH}"
-            )
+            raise _unreachable(f"targets[{index}]", target, kinematics.arm, scenario)
+
+
+def _unreachable(key: str, place: Vector3, arm: ArmModel, scenario: RobotScenario) -> ScenarioError:
+    x, y, z = place
+    reach = f"; {arm.reach}" if arm.reach else ""
+    return ScenarioError(
+        f"scenario {scenario.name}: {key}: unreachable by the {arm.title} with the tool down: "
+        f"({x:g}, {y:g}, {z:g}) m{reach}"
+    )

@@ -5,8 +5,9 @@ import pytest
 
 from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
+from farhand.robot_side.arm.model import model
 
-KINEMATICS = Kinematics()
+KINEMATICS = Kinematics(model("ur5"))
 FREE = np.array([-0.85369, -1.35254, 1.66821, -1.88646, -1.5708, -0.85369])
 
 
@@ -39,7 +40,7 @@ def test_a_singular_wrist():
 def test_a_joint_at_its_limit_is_named_only_if_it_is_wanted_further(sign):
     q = FREE.copy()
     q[2] = KINEMATICS.upper[2] - 0.4  # bent, but not singular
-    at_limit = Kinematics()
+    at_limit = Kinematics(model("ur5"))
     at_limit.upper = at_limit.upper.copy()
     at_limit.upper[2] = q[2] + 0.01
     jacobian = KINEMATICS.tool(q).jacobian

@@ -8,18 +8,19 @@ from farhand.common.errors import ScenarioError
 from farhand.common.messages.scene import Obstacle
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
-from farhand.robot_side.arm.model import HOME, collision_urdf
-from farhand.robot_side.robots.pybullet_arm import UR5Robot
+from farhand.robot_side.arm.model import model
+from farhand.robot_side.robots.pybullet_arm import ArmRobot
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario, replace_setting
 
 SCENARIO = load_scenario("ur5-obstacle")
+UR5 = model("ur5")
 GRAVITY = 9.81
 
 
 @pytest.fixture(scope="module")
 def robot():
-    robot = UR5Robot(SCENARIO)
+    robot = ArmRobot(SCENARIO)
     yield robot
     robot.close()
 
@@ -71,7 +72,7 @@ def test_masses_and_torques_agree(robot, configurations):
 
 
 def test_jacobian_is_the_derivative_of_the_pose(configurations):
-    kinematics, h = Kinematics(), 1e-6
+    kinematics, h = Kinematics(UR5), 1e-6
     for q in configurations[:5]:
         tool = kinematics.tool(q)
         for joint in range(6):
@@ -84,7 +85,7 @@ def test_jacobian_is_the_derivative_of_the_pose(configurations):
 
 
 def test_home_is_where_the_task_says():
-    tool = Kinematics().tool(np.array(HOME))
+    tool = Kinematics(UR5).tool(UR5.home)
     assert np.allclose(tool.position, (0.45, 0.0, 0.30), atol=2e-4)
     assert np.allclose(tool.R_base_tool[:, 2], (0, 0, -1), atol=2e-4)
 
@@ -93,7 +94,7 @@ def test_home_is_where_the_task_says():
 @pytest.mark.parametrize("angle", [-2.8, -1.2, 0.0, 1.5, 3.0])
 @pytest.mark.parametrize("z", [0.12, 0.35, 0.55])
 def test_inverse_kinematics_reaches_the_roomy_region(r, angle, z):
-    kinematics = Kinematics()
+    kinematics = Kinematics(UR5)
     goal = (r * np.cos(angle), r * np.sin(angle), z)
     q = kinematics.inverse_tool_down(goal, None)
     tool = kinematics.tool(q)
@@ -143,5 +144,5 @@ def test_arm_clearance_follows_what_it_is_asked_about(robot):
 
 
 def test_visuals_are_not_loaded():
-    assert "<visual" not in collision_urdf()
-    assert "package://" not in collision_urdf()
+    assert "<visual" not in UR5.urdf
+    assert "package://" not in UR5.urdf

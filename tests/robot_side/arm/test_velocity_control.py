@@ -8,13 +8,14 @@ from farhand.common.geometry import Twist, to_vector3, turn_between
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.limits import JointBounds
-from farhand.robot_side.arm.model import HOME
+from farhand.robot_side.arm.model import model
 from farhand.robot_side.arm.orientation import LEAD, OrientationReference
 from farhand.robot_side.arm.velocity_control import DirectionKeeping, singular_value_gradient
-from farhand.robot_side.robots.pybullet_arm import UR5Robot
+from farhand.robot_side.robots.pybullet_arm import ArmRobot
 from farhand.runs.scenario import load_scenario, replace_setting
 
 SCENARIO = msgspec.structs.replace(load_scenario("ur5-obstacle"), obstacles=())
+UR5 = model("ur5")
 DT = 0.002
 A_MAX = SCENARIO.robot.max_joint_acceleration
 
@@ -22,7 +23,7 @@ A_MAX = SCENARIO.robot.max_joint_acceleration
 def drive(start, velocity, seconds, law="direction"):
     """Positions and velocities at each tick (n, 3), joint velocities commanded (n, 6), worst turn (rad)."""
     scenario = replace_setting(SCENARIO, "robot.velocity_control", law)
-    robot = UR5Robot(replace_setting(scenario, "start", list(start)))
+    robot = ArmRobot(replace_setting(scenario, "start", list(start)))
     positions, velocities, commanded, turned = [], [], [], 0.0
     for _ in range(round(seconds / DT)):
         robot.step(Twist(to_vector3(velocity)), DT)
@@ -71,7 +72,7 @@ def test_line_is_kept_where_the_arm_cannot_follow(start, velocity, seconds):
     positions, _, commanded, turned, q = drive(start, velocity, seconds)
     kept = off_line(positions, start, velocity)
     bent = off_line(drive(start, velocity, seconds, "damped")[0], start, velocity)
-    kinematics = Kinematics()
+    kinematics = Kinematics(UR5)
     assert kept < 0.012
     assert kept < bent / 4
     assert turned < np.radians(0.5)
@@ -104,10 +105,10 @@ def test_acceleration_wins_over_a_limit_that_comes_too_late():
 
 
 def test_nonsense_brakes_instead_of_raising():
-    kinematics = Kinematics()
+    kinematics = Kinematics(UR5)
     bounds = JointBounds(kinematics.lower, kinematics.upper, kinematics.max_velocity, A_MAX)
     control = DirectionKeeping(bounds, kinematics.R_base_tool_down)
-    q, rng = np.array(HOME), stream(3, "commands")
+    q, rng = UR5.home, stream(3, "commands")
     tool = kinematics.tool(q)
     previous = np.full(6, 0.5)
     braked = control.joint_velocity(q, previous, tool, np.array([np.nan, 0.0, 0.0]), DT)
@@ -122,7 +123,7 @@ def test_nonsense_brakes_instead_of_raising():
 @pytest.mark.parametrize("law", ["direction", "damped"])
 def test_the_tool_turns_as_commanded_while_it_moves_and_keeps_what_it_was_turned_to(law):
     scenario = replace_setting(SCENARIO, "robot.velocity_control", law)
-    robot = UR5Robot(scenario)
+    robot = ArmRobot(scenario)
     start, before = np.array(robot.sample().position), robot.sample().orientation
     linear, angular = (0.05, 0.1, 0.0), (0.0, 0.3, 0.4)
     for _ in range(500):
@@ -159,7 +160,7 @@ LEAVING = [
 
 @pytest.mark.parametrize(("there", "back"), LEAVING)
 def test_the_edge_of_reach_is_left_at_once(there, back):
-    robot = UR5Robot(SCENARIO)
+    robot = ArmRobot(SCENARIO)
     for _ in range(4000):
         robot.step(Twist(to_vector3(there)), DT)
     edge = np.array(robot.sample().position)
@@ -173,7 +174,7 @@ def test_the_edge_of_reach_is_left_at_once(there, back):
 
 
 def test_the_gradient_of_the_smallest_singular_value():
-    kinematics, rng = Kinematics(), stream(4, "configurations")
+    kinematics, rng = Kinematics(UR5), stream(4, "configurations")
     smallest = lambda q: np.linalg.svd(kinematics.tool(q).jacobian, compute_uv=False)[-1]  # noqa: E731
     for _ in range(20):
         q = rng.uniform(-2.0, 2.0, 6)

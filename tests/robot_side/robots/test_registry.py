@@ -30,7 +30,7 @@ def test_a_start_that_cannot_be_is_told_as_building_the_robot_tells_it(scenario,
 
 
 def test_the_check_builds_no_robot(monkeypatch):
-    monkeypatch.setattr(pybullet_arm.UR5Robot, "__init__", lambda *_: pytest.fail("built"))
+    monkeypatch.setattr(pybullet_arm.ArmRobot, "__init__", lambda *_: pytest.fail("built"))
     for name in ("ur5-obstacle", "box-obstacle", "point-obstacle"):
         check_scenario(load_scenario(name))
 
