@@ -1,0 +1,105 @@
+"""The guard of robots that are a sphere around their tool: the free-flying box, the point, kinds from outside."""
+
+import numpy as np
+
+from farhand.common.geometry import Twist, Vector3
+from farhand.common.messages.intervention import Intervention, deed
+from farhand.common.shapes.surroundings import Surroundings
+from farhand.robot_side.kernel.distance import ACCELERATION, VELOCITY
+from farhand.robot_side.kernel.sphere_guard import (
+    BAD,
+    BRAKED,
+    CHECK,
+    DT,
+    FASTEST,
+    FREE,
+    KAPPA,
+    KEEP,
+    LAG_HIGH,
+    LAG_LOW,
+    LIMIT,
+    PARAMETERS,
+    PINCHED,
+    RADIUS,
+    guard,
+)
+from farhand.robot_side.safety.guard.settings import GuardSettings
+
+SPARE = 0.002
+"""m, kept besides d_min for what lies between two ticks."""
+DOUBT = 0.5
+"""Share by which lag and acceleration may be other than they are said to be."""
+RATE = 5.0
+"""1/s: kappa."""
+
+
+class ToolGuard:
+    """Lets a twist through, slower, or turned aside; nothing throws.
+
+    Args:
+        settings: what is kept.
+        radius: of the sphere (m).
+        lag: time constant with which the tool follows a velocity (s).
+        dt: control period (s).
+        fastest: what it may answer with in any axis, where something moves towards it (m/s).
+
+    Attributes:
+        did: what was done to the last twist; None: nothing.
+        nearest: least distance of the sphere to an obstacle then (m); 1e6 without any.
+        pinched: ticks in which no velocity kept all obstacles off.
+    """
+
+    def __init__(
+        self, settings: GuardSettings, radius: float, lag: float, dt: float, fastest: float = 2.0
+    ) -> None:
+        par = np.zeros(PARAMETERS)
+        par[RADIUS], par[DT], par[KAPPA], par[FASTEST] = radius, dt, RATE, fastest
+        par[KEEP], par[CHECK] = settings.d_min + SPARE, settings.d_min + 0.5 * SPARE
+        par[LAG_LOW], par[LAG_HIGH] = (1.0 - DOUBT) * lag, max((1.0 + DOUBT) * lag, 2.0 * dt)
+        par[LIMIT] = (1.0 - DOUBT) * settings.acceleration
+        self._par = par
+        self._limit = settings.d_min + SPARE
+        self._x, self._v, self._u_c = np.zeros(3), np.zeros(3), np.zeros(3)
+        self._u, self._facts = np.zeros(3), np.zeros(3)
+        self.did: Intervention | None = None
+        self.nearest = 1e6
+        self.pinched = 0
+
+    def allow(self, position: Vector3, velocity: Vector3, asked: Twist, around: Surroundings) -> Twist:
+        """What of a twist the robot may do now.
+
+        Args:
+            position, velocity: of the tool (m, m/s).
+            asked: what watchdog and plan let through.
+            around: the obstacles now.
+        """
+        self._x[:], self._v[:], self._u_c[:] = position, velocity, asked.linear
+        done = guard(self._x, self._v, self._u_c, around.rows, around.vertices, self._par, self._u, self._facts)
+        self.did, self.nearest = None, float(self._facts[2])
+        if done == FREE:
+            return asked
+        if done == BAD:
+            return Twist()
+        x, y, z = self._u.tolist()
+        self.pinched += done == PINCHED
+        self.did = self._intervention(asked.linear, (x, y, z), done == BRAKED, around)
+        return Twist((x, y, z), asked.angular)
+
+    def _intervention(
+        self, asked: Vector3, done: Vector3, braked: bool, around: Surroundings
+    ) -> Intervention | None:
+        index = int(self._facts[0])
+        row = around.rows[index] if index >= 0 else np.zeros(24)
+        moves = bool(row[VELOCITY : ACCELERATION + 1].any())
+        what = "braking" if braked else deed(asked, done, moves=moves)
+        if what is None:
+            return None
+        return Intervention(
+            part="tool",
+            obstacle=around.ids[index] if index >= 0 else "",
+            distance=float(self._facts[1]),
+            limit=self._limit,
+            asked=float(np.linalg.norm(asked)),
+            done=float(np.linalg.norm(done)),
+            what=what,
+        )
