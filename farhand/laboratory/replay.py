@@ -24,6 +24,7 @@ from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller, prepare
 from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
+from farhand.operator_side.supervision import ESTOP_ASKED
 from farhand.programs.wiring import make_operator, versions
 from farhand.runs.files import RECORDING
 from farhand.runs.scenario import Scenario
@@ -57,12 +58,14 @@ class RecordedSteering(SteeringDevice):
         """See SteeringDevice."""
         if self.report is None:
             return SteeringInput()
-        mode = self.report.mode
+        report, mode = self.report, self.report.mode
+        robot = f"robot {report.safety}: {report.safety_reason}; "
         return SteeringInput(
             self.report.desired,
             engaged=mode == "run",
             acknowledge=mode == "acknowledge",
-            estop=mode == "estop",
+            estop=mode == "estop" and report.stop_reason != ESTOP_ASKED,
+            says=report.stop_reason.removeprefix(robot) if report.stop_reason.startswith(robot) else "",
         )
 
 
@@ -172,6 +175,8 @@ def replay(
         command = None if record.command is None else commands.decode(record.command)
         if command is not None and command.successor:
             node.hand_over(command.successor)
+        if recorded.stop_reason == ESTOP_ASKED:
+            node.emergency_stop()
         link.waiting, link.sent = _packets(record), None
         node.step(record.now_ns)
         if node.report is None:

@@ -15,9 +15,11 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import read_run
 from farhand.common.recording.writer import RunRecorder
-from farhand.laboratory.replay import differing_fields, replay
+from farhand.laboratory.replay import RecordedSteering, differing_fields, replay
 from farhand.laboratory.simulation import simulate
+from farhand.operator_side.supervision import ESTOP_ASKED
 from farhand.runs.scenario import load_scenario, replace_setting
+from farhand.testing import report
 from farhand.testing.disk import ScriptedFile
 
 
@@ -201,3 +203,16 @@ def test_a_recording_with_a_gap_is_judged_up_to_it_and_says_so(recordings, tmp_p
     assert "No space left on device" in said
     assert f"before the first gap all {gap.before} decisions are identical to the byte" in said
     assert "cannot be judged" in said
+
+
+def test_what_a_device_said_and_who_stopped_it_are_in_the_replay():
+    steering = RecordedSteering()
+    stopped = {"safety": "stopped", "safety_reason": "fault: it broke"}
+    steering.report = report(mode="hold", stop_reason="robot stopped: fault: it broke; see to it", **stopped)
+    assert steering.read(None).says == "see to it"
+    steering.report = report(mode="hold", stop_reason="robot stopped: fault: it broke", **stopped)
+    assert steering.read(None).says == ""
+    steering.report = report(mode="estop", stop_reason="emergency stop by the operator")
+    assert steering.read(None).estop
+    steering.report = report(mode="estop", stop_reason=ESTOP_ASKED)
+    assert not steering.read(None).estop  # the node is asked, as then
