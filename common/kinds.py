@@ -8,10 +8,13 @@ entry points (`[project.entry-points."farhand.margins"]`, `mine = "my_package.my
 import difflib
 import importlib
 import importlib.metadata
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, Generic, TypeVar
 
 from farhand.common.errors import FarhandError, InputError, in_one_line
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}\Z")
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -47,6 +50,7 @@ class Kinds(Generic[T]):
         self._base = base
         self._built_in = dict(built_in)
         self._outside: dict[str, list[importlib.metadata.EntryPoint]] | None = None
+        self._ill_named: dict[str, list[importlib.metadata.EntryPoint]] = {}
         self._loaded: dict[str, T] = {}
 
     def names(self) -> tuple[str, ...]:
@@ -56,6 +60,18 @@ class Kinds(Generic[T]):
     def is_outside(self, name: str) -> bool:
         """Whether an installed package brings it, or nobody does."""
         return name not in self._built_in
+
+    def ill_named(self) -> str:
+        """What to say of kinds whose names nobody can write in a scenario or SPEC; empty without any."""
+        self._entry_points()
+        names = ", ".join(map(repr, sorted(self._ill_named)))
+        if not names:
+            return ""
+        points = [point for each in self._ill_named.values() for point in each]
+        return (
+            f"; {_brought(points)}: {self.group}: {names} cannot be used: a name is 1 to 64 letters, digits, dots, "
+            "dashes or underscores, without blanks"
+        )
 
     def __contains__(self, name: object) -> bool:
         return name in self._built_in or name in self._entry_points()
@@ -68,7 +84,8 @@ class Kinds(Generic[T]):
             where: what asks, for the message, e.g. "margin.kind" or "--margin".
 
         Raises:
-            InputError: no such kind; or an installed package's cannot be imported, is none, or its name is taken.
+            InputError: no such kind; or an installed package's cannot be imported, is none, or its name is taken or
+                none that can be written.
         """
         if name not in self._loaded:
             self._loaded[name] = self._load(name, where)
@@ -84,7 +101,7 @@ class Kinds(Generic[T]):
             built_in: T = _import(self._built_in[name])
             return built_in
         if not points:
-            raise InputError(self._unknown(name, where))
+            raise InputError(self._unknown(name, where) + self.ill_named())
         if len(points) > 1:
             raise InputError(
                 f"{_brought(points)}: {self.group}: each brings a {self.what} {name!r}; remove one"
@@ -108,7 +125,8 @@ class Kinds(Generic[T]):
         if self._outside is None:
             self._outside = {}
             for point in importlib.metadata.entry_points(group=self.group):
-                self._outside.setdefault(point.name, []).append(point)
+                into = self._outside if _NAME.match(point.name) else self._ill_named
+                into.setdefault(point.name, []).append(point)
         return self._outside
 
     def _unknown(self, name: str, where: str) -> str:

@@ -153,7 +153,9 @@ def _word(name: str, reader: SpecReader, start: int) -> Word:
     close = difflib.get_close_matches(name, ["none", *IMPAIRMENTS.names()], n=1)
     hint = f"; is {close[0]!r} meant?" if close else ""
     reader.fail(
-        f"no impairment and no profile is called {name!r}{hint} (`farhand networks` lists them)", start
+        f"no impairment and no profile is called {name!r}{hint} (`farhand networks` lists them)"
+        f"{IMPAIRMENTS.ill_named()}",
+        start,
     )
 
 

@@ -29,6 +29,7 @@ from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.device import SteeringInput
 
 ASK_PERIOD_NS = 1_000_000_000
+ESTOP_ASKED = "emergency stop, asked for by `farhand estop`"
 _TWINS = "two robots call themselves {!r}; end one, or give it another --robot"
 
 
@@ -88,7 +89,8 @@ def decide(state: RobotState | None, lacking: str, steering: SteeringInput | Non
     if state.mode in ("stopped", "estop"):
         if steering.acknowledge:
             return Decision("acknowledge", f"acknowledging: {state.reason}")
-        return Decision("hold", f"robot {state.mode}: {state.reason}")
+        says = f"; {steering.says}" if steering.says else ""
+        return Decision("hold", f"robot {state.mode}: {state.reason}{says}")
     if state.holder == 0:
         return Decision("acknowledge", "asking for control")
     if not steering.engaged:
@@ -144,7 +146,7 @@ class Supervision:
         if self.estop and state is not None and state.mode == "estop":
             self.estop = False  # the robot has latched it; from here on an acknowledgement counts
         if self.estop:
-            return Decision("estop", "emergency stop, asked for by `farhand estop`")
+            return Decision("estop", ESTOP_ASKED)
         if self.clearing is not None and steering is not None:
             steering = replace(steering, acknowledge=True)
         me = Seat(self._session, self._name, self._waited_for, self.successor)

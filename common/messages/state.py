@@ -21,6 +21,9 @@ from farhand.common.messages.base import (
 MAX_JOINTS = 16
 MAX_WAITING = 4
 
+FAULT = "fault: "
+"""What `reason` begins with where something in the robot failed."""
+
 LeaseEnd = Literal["", "released", "silent"]
 
 

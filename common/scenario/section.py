@@ -6,6 +6,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from farhand.common.errors import ScenarioError
+from farhand.common.scenario.known_keys import there_are
 from farhand.common.scenario.reader import name_key
 
 Fraction = Annotated[float, Meta(gt=0, le=1)]
@@ -48,7 +49,8 @@ def own_settings(section: KindSection, kind: Any, where: str) -> Any:
 
 def checked_settings(table: dict[str, Any], kind: Any, where: str) -> Any:
     """A kind's own table as its `Settings`; `where` is the table's dotted name. Raises ScenarioError."""
+    settings = getattr(kind, "Settings", NoSettings)
     try:
-        return msgspec.convert(table, getattr(kind, "Settings", NoSettings))
+        return msgspec.convert(table, settings)
     except msgspec.ValidationError as error:
-        raise ScenarioError(name_key(str(error), where)) from None
+        raise ScenarioError(f"{name_key(str(error), where)}{there_are(str(error), settings)}") from None

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from farhand.common.errors import InputError, RunFileError
+from farhand.common.errors import RunFileError
 from farhand.common.geometry import norm
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Vector3
@@ -19,16 +19,15 @@ from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import RecordedRun, read_run
 from farhand.common.recording.records import TickRecord
+from farhand.laboratory.replay_scenario import scenario_of
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller, prepare
 from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
+from farhand.operator_side.supervision import ESTOP_ASKED
 from farhand.programs.wiring import make_operator, versions
 from farhand.runs.files import RECORDING
-from farhand.runs.scenario import Scenario, replace_setting, scenario_from_table
-
-SECTIONS = ("controller", "margin", "operator")
-"""Settings that a replay can change: those of the deciding side."""
+from farhand.runs.scenario import Scenario
 
 
 class RecordedLink:
@@ -59,12 +58,14 @@ class RecordedSteering(SteeringDevice):
         """See SteeringDevice."""
         if self.report is None:
             return SteeringInput()
-        mode = self.report.mode
+        report, mode = self.report, self.report.mode
+        robot = f"robot {report.safety}: {report.safety_reason}; "
         return SteeringInput(
             self.report.desired,
             engaged=mode == "run",
             acknowledge=mode == "acknowledge",
-            estop=mode == "estop",
+            estop=mode == "estop" and report.stop_reason != ESTOP_ASKED,
+            says=report.stop_reason.removeprefix(robot) if report.stop_reason.startswith(robot) else "",
         )
 
 
@@ -148,7 +149,7 @@ def replay(
         InputError: the file is not readable at all, or a setting makes no sense in a replay.
     """
     run = read_run(find_recording(path))
-    scenario = _scenario(run, path, settings or {})
+    scenario = scenario_of(run, path, settings or {})
     changed = bool(settings) or controller is not None
     link, steering = RecordedLink(), RecordedSteering()
     reports, commands = Decoder(ControlReport), Decoder(VelocityCommand)
@@ -174,6 +175,8 @@ def replay(
         command = None if record.command is None else commands.decode(record.command)
         if command is not None and command.successor:
             node.hand_over(command.successor)
+        if recorded.stop_reason == ESTOP_ASKED:
+            node.emergency_stop()
         link.waiting, link.sent = _packets(record), None
         node.step(record.now_ns)
         if node.report is None:
@@ -183,21 +186,6 @@ def replay(
         if changed and command is not None:
             node.correct(command)
     return Replay(run, scenario, changed, ticks)
-
-
-def _scenario(run: RecordedRun, path: Path, settings: dict[str, object]) -> Scenario:
-    scenario = scenario_from_table(run.info.scenario, f"of run {path}")
-    if run.info.solver and "controller.solver" not in settings:
-        scenario = replace_setting(scenario, "controller.solver", run.info.solver)
-    for key, value in settings.items():
-        if key == "controller.period":
-            raise InputError("--set controller.period: a replay keeps the instants of the recorded ticks")
-        if not any(key == section or key.startswith(f"{section}.") for section in SECTIONS):
-            raise InputError(
-                f"--set {key}: has no influence on decisions in a replay; can be of {', '.join(SECTIONS)}"
-            )
-        scenario = replace_setting(scenario, key, value)
-    return scenario
 
 
 def _packets(record: TickRecord) -> list[Packet]:

@@ -14,6 +14,7 @@ import msgspec
 
 from farhand.common.errors import InputError, ScenarioError
 from farhand.common.kinds import Kinds
+from farhand.common.scenario.known_keys import nearest_first, there_are
 from farhand.common.scenario.reader import name_key, non_finite_key, without_nulls
 from farhand.common.scenario.section import KindSection, checked_settings
 from farhand.common.scenario.task import Task
@@ -102,7 +103,8 @@ def scenario_from_table(table: dict[str, Any], where: str) -> Scenario:
         scenario = msgspec.convert(_with_own_tables(table), Scenario)
         _check_kinds(scenario)
     except msgspec.ValidationError as error:
-        raise ScenarioError(f"scenario {where}: {name_key(str(error))}{_hint(str(error))}") from None
+        hint = _hint(str(error)) or there_are(str(error), Scenario)
+        raise ScenarioError(f"scenario {where}: {name_key(str(error))}{hint}") from None
     except InputError as error:
         raise ScenarioError(f"scenario {where}: {error}") from None
     _check_sense(scenario, where)
@@ -132,7 +134,11 @@ def replace_settings(scenario: Scenario, settings: Mapping[str, object]) -> Scen
         for key in parents:
             place = place.setdefault(key, {}) if isinstance(place, dict) else None
         if not isinstance(place, dict):
-            raise ScenarioError(f"setting {dotted!r}: no such key in a scenario")
+            sections = [name for name, section in table.items() if isinstance(section, dict)]
+            known = ", ".join(nearest_first(parents[0], sections))
+            raise ScenarioError(
+                f"setting {dotted!r}: no such key in a scenario: {parents[0]!r} is no section; there are {known}"
+            )
         place[last] = value
     names = ", ".join(settings)
     return scenario_from_table(table, f"setting {names}") if settings else scenario

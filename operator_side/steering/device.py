@@ -20,12 +20,14 @@ class SteeringInput:
         engaged: motion is allowed only while this holds.
         acknowledge: the operator has seen the robot's stop and clears it.
         estop: the operator wants the robot stopped for good.
+        says: what the device has to say of a stop that it does not acknowledge; empty: nothing.
     """
 
     velocity: Vector3 = (0.0, 0.0, 0.0)
     engaged: bool = False
     acknowledge: bool = False
     estop: bool = False
+    says: str = ""
 
 
 @dataclass(frozen=True, slots=True)

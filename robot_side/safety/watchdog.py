@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from farhand.common.geometry import STILL, Twist, norm
 from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.state import FAULT
 from farhand.common.timing.clock import to_ns
 from farhand.robot_side.safety.lease import ControlLease
 from farhand.robot_side.safety.plan import PlanPlayer
@@ -119,7 +120,7 @@ class Watchdog:
 
     def fault(self, what: str, now_ns: int) -> None:
         """Something inside the robot failed: stop, and stay stopped."""
-        self._stop("stopped", f"fault: {what}"[:512], now_ns)
+        self._stop("stopped", f"{FAULT}{what}"[:512], now_ns)
 
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""

@@ -75,6 +75,16 @@ def test_a_package_brings_a_kind(outside):
         ((("mine", f"{__name__}:Other"),), "mine", "is no subclass of"),
         ((("mine", f"{__name__}:Mine"), ("mine", "b:C")), "mine", "each brings a thing 'mine'"),
         ((("base", f"{__name__}:Mine"),), "base", "'base' is built in"),
+        (
+            (("my thing", f"{__name__}:Mine"),),
+            "my thing",
+            "'my thing' cannot be used: a name is 1 to 64 letters",
+        ),
+        (
+            (("my thing", f"{__name__}:Mine"),),
+            "my",
+            "package their-package: farhand.things: 'my thing' cannot",
+        ),
     ],
 )
 def test_what_cannot_be_is_one_line(outside, points, name, words):
@@ -106,3 +116,13 @@ def test_what_a_kind_raises_when_it_is_made_is_one_line_that_says_where():
     with pytest.raises(InputError, match="asked for"):
         made("it", lambda: (_ for _ in ()).throw(InputError("asked for")))
     assert made("it", lambda: 3) == 3
+
+
+@pytest.mark.parametrize("name", ["my thing", "", "a:b", "a[b]", "a\nb", "-a", "a" * 65])
+def test_a_name_that_nobody_can_write_is_no_kind_and_disturbs_no_other(outside, name):
+    outside(point(name, f"{__name__}:Mine"))
+    outside(point("mine", f"{__name__}:Mine"))
+    found = kinds()
+    assert found.names() == ("base", "heavy", "mine")
+    assert found.get("mine").__name__ == "Mine"
+    assert name not in found

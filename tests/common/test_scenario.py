@@ -208,3 +208,30 @@ def test_an_obstacle_that_moves_may_be_where_a_target_is():
     table = scenario_to_table(parse_scenario(GOOD, "x")) | {"targets": [[0.5, 0.0, 0.0]]}
     table["obstacles"][0]["velocity"] = [0.1, 0.0, 0.0]
     assert scenario_from_table(table, "x").targets == ((0.5, 0.0, 0.0),)
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("controller.gama", "controller: object contains unknown field `gama`; there are gamma, "),
+        ("controler.gamma", "unknown field `controler`; there are controller, "),
+        ("gamma", "unknown field `gamma`; is controller.gamma meant?; there are "),
+        ("safety.lease_time", "unknown field `lease_time`; there are lease_timeout, "),
+        (
+            "steering.tester.far_sped",
+            "steering.tester: object contains unknown field `far_sped`; there are far_speed, ",
+        ),
+        ("name.first", "'name' is no section; there are "),
+        ("network.up", "unknown field `up`; there are uplink, downlink"),
+    ],
+)
+def test_an_unknown_key_is_answered_by_those_there_are_the_nearest_first(key, said):
+    with pytest.raises(ScenarioError) as found:
+        replace_setting(parse_scenario(GOOD, "x"), key, 1)
+    assert said in str(found.value)
+    assert "own" not in str(found.value).split("there are")[1].replace(",", "").split()
+
+
+def test_an_unknown_key_of_an_obstacle_too():
+    with pytest.raises(ScenarioError, match=r"obstacles\[0\]: .*`radus`; there are radius, "):
+        parse_scenario(GOOD.replace("radius = 0.1", "radius = 0.1\nradus = 1"), "x")

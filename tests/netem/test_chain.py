@@ -89,7 +89,8 @@ def test_slots_of_a_distribution_lie_as_it_says(name):
     gaps = np.diff(instants)
     assert gaps.mean() == pytest.approx(20, abs=0.3)
     assert gaps.std() == pytest.approx(4, abs=0.7)
-    assert (gaps < 14).any() == (name == "normal")  # the others have a shortest one
+    if name == "pareto":
+        assert gaps.min() > 20 - 4 / 3**0.5 - 1e-6  # it has a shortest one
 
 
 def test_a_spacing_drawn_below_nothing_is_the_smallest():

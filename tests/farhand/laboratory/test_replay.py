@@ -2,8 +2,10 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from farhand.cli import run as run_cli
@@ -13,9 +15,11 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import read_run
 from farhand.common.recording.writer import RunRecorder
-from farhand.laboratory.replay import differing_fields, replay
+from farhand.laboratory.replay import RecordedSteering, differing_fields, replay
 from farhand.laboratory.simulation import simulate
+from farhand.operator_side.supervision import ESTOP_ASKED
 from farhand.runs.scenario import load_scenario, replace_setting
+from farhand.testing import report
 from farhand.testing.disk import ScriptedFile
 
 
@@ -104,6 +108,66 @@ def test_settings_that_make_no_sense_are_refused(recordings, settings, line):
         replay(recordings["adaptive"], settings)
 
 
+def rewritten(source: Path, path: Path, section: str, **changes) -> Path:
+    """The recording, of a scenario that says something else in a section."""
+    whole = read_run(source)
+    scenario = whole.info.scenario | {section: whole.info.scenario.get(section, {}) | changes}
+    recorder = RunRecorder(path, msgspec.structs.replace(whole.info, scenario=scenario), waits=True)
+    for tick in whole.ticks:
+        packets = [Packet(key, payload, arrived_ns) for key, arrived_ns, payload in tick.packets]
+        recorder.tick(tick.now_ns, packets, tick.command, Decoder(ControlReport).decode_or_raise(tick.report))
+    recorder.close()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("section", "changes"),
+    [
+        ("robot", {"kind": "cart", "cart": {"wheels": 4}}),
+        ("robot", {"cart": {"wheels": 4}}),
+        ("steering", {"kind": "mouse", "mouse": {"speed": 1.0}}),
+        ("margin", {"steady": {"mm": 3}}),
+    ],
+)
+def test_kinds_that_are_not_replayed_need_not_be_installed(recordings, tmp_path, section, changes):
+    assert replay(rewritten(recordings["adaptive"], tmp_path / "run.mcap", section, **changes)).identical
+
+
+@pytest.mark.parametrize(
+    ("section", "changes", "said"),
+    [
+        (
+            "margin",
+            {"kind": "steady", "steady": {"mm": 3}},
+            "margin.kind: the margin law 'steady' .*farhand.margins",
+        ),
+        (
+            "operator",
+            {"predictor": "crystal"},
+            "operator.predictor: the .* 'crystal' .*group farhand.predictors",
+        ),
+        (
+            "controller",
+            {"kind": "slow-near"},
+            "controller.kind: the controller 'slow-near' .*farhand.controllers",
+        ),
+    ],
+)
+def test_a_kind_that_decided_is_named_with_its_group(recordings, tmp_path, section, changes, said):
+    path = rewritten(recordings["adaptive"], tmp_path / "run.mcap", section, **changes)
+    with pytest.raises(InputError, match=f"that decided is not installed|{said}") as found:
+        replay(path)
+    assert re.search(said, str(found.value))
+    assert "install the package that brings it" in str(found.value)
+
+
+def test_a_kind_that_is_replaced_is_not_needed(recordings, tmp_path):
+    path = rewritten(recordings["adaptive"], tmp_path / "run.mcap", "margin", kind="steady", steady={"mm": 3})
+    assert len(replay(path, {"margin.kind": "paper"}).ticks) > 140
+    with pytest.raises(InputError, match=r"--set margin.kind 'papper': .*is 'paper' meant"):
+        replay(path, {"margin.kind": "papper"})
+
+
 @pytest.mark.parametrize("content", [b"", b"not a recording", b"\x89MCAP0\r\n"])
 def test_files_that_hold_nothing_are_refused_in_one_line(tmp_path, content, capsys):
     path = tmp_path / "run.mcap"
@@ -139,3 +203,16 @@ def test_a_recording_with_a_gap_is_judged_up_to_it_and_says_so(recordings, tmp_p
     assert "No space left on device" in said
     assert f"before the first gap all {gap.before} decisions are identical to the byte" in said
     assert "cannot be judged" in said
+
+
+def test_what_a_device_said_and_who_stopped_it_are_in_the_replay():
+    steering = RecordedSteering()
+    stopped = {"safety": "stopped", "safety_reason": "fault: it broke"}
+    steering.report = report(mode="hold", stop_reason="robot stopped: fault: it broke; see to it", **stopped)
+    assert steering.read(None).says == "see to it"
+    steering.report = report(mode="hold", stop_reason="robot stopped: fault: it broke", **stopped)
+    assert steering.read(None).says == ""
+    steering.report = report(mode="estop", stop_reason="emergency stop by the operator")
+    assert steering.read(None).estop
+    steering.report = report(mode="estop", stop_reason=ESTOP_ASKED)
+    assert not steering.read(None).estop  # the node is asked, as then

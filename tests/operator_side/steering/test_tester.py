@@ -2,10 +2,16 @@
 
 import pytest
 
-from farhand.operator_side.steering.device import View
+from farhand.operator_side.steering.device import SteeringInput, View
 from farhand.operator_side.steering.targets import Targets
-from farhand.operator_side.steering.tester import ACKNOWLEDGE_PERIOD_NS, TesterSettings
+from farhand.operator_side.steering.tester import (
+    ACKNOWLEDGE_PERIOD_NS,
+    FAULT_BACK_NS,
+    FAULT_TRIES,
+    TesterSettings,
+)
 from farhand.operator_side.steering.tester import Tester as PaperTester
+from farhand.operator_side.supervision import Seat, decide
 from farhand.testing import messages
 
 ME, OTHER = 7, 8
@@ -71,3 +77,45 @@ def test_the_tester_acknowledges_a_stop_twice_a_second_and_never_an_emergency_st
     assert not seat.read(state("estop", 0), 9 * period).acknowledge
     assert seat.read(state("hold", 0), 9 * period).acknowledge  # free control is taken
     assert not seat.read(state("hold", OTHER), 10 * period).acknowledge
+
+
+def fault(stops):
+    return messages.state(mode="stopped", reason="fault: OSError: no motor", stops=stops, holder=ME)
+
+
+def test_the_tester_gives_up_on_a_fault_that_comes_back_and_says_so():
+    """The robot leaves its stop for a tick, and is in the next one: its count of stops tells."""
+    seat, stops, asked = Driver((1.0, 0, 0)), 1, 0
+    for k in range(200):
+        wanted = seat.read(fault(stops), k * 100_000_000)
+        if wanted.acknowledge:
+            asked += 1
+            stops += 1
+    assert asked == FAULT_TRIES
+    assert (wanted.acknowledge, wanted.says) == (
+        False,
+        "the tester acknowledges it no more: it came back 3 times; see to the robot",
+    )
+
+
+def test_the_tester_goes_on_asking_where_acknowledgements_get_lost():
+    seat = Driver((1.0, 0, 0))
+    asked = [seat.read(fault(1), k * ACKNOWLEDGE_PERIOD_NS).acknowledge for k in range(50)]
+    assert all(asked)
+
+
+def test_faults_that_are_far_between_are_acknowledged_each():
+    seat = Driver((1.0, 0, 0))
+    for stops in range(1, 20):
+        now = stops * (FAULT_BACK_NS + ACKNOWLEDGE_PERIOD_NS)
+        assert seat.read(fault(stops), now).acknowledge
+        assert seat.read(state("run"), now + 1).engaged
+
+
+def test_what_the_tester_says_is_in_the_reason():
+    says = SteeringInput(engaged=True, says="see to the robot")
+    decision = decide(fault(3), "", says, Seat(ME))
+    assert (decision.mode, decision.reason) == (
+        "hold",
+        "robot stopped: fault: OSError: no motor; see to the robot",
+    )

@@ -295,3 +295,12 @@ def test_a_request_under_way_clears_no_stop_for_the_successor(asked):
     assert (asked.mode, asked.lease.holder, asked.refused) == ("stopped", 8, {"held": 1})
     assert asked.receive(command(3, "acknowledge", session=8, age_ms=0), START)
     assert asked.mode == "hold"
+
+
+def test_no_delay_ends_a_lease_since_every_command_renews_it_however_old(watchdog):
+    watchdog.receive(command(1), START)
+    for k in range(1, 100):
+        now = START + 100 * k * MS
+        watchdog.tick(now)
+        assert not watchdog.receive(command(1 + k, now=now, age_ms=5000), now)
+    assert (watchdog.lease.holder, watchdog.refused) == (7, {"stale": 99})
