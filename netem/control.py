@@ -10,9 +10,10 @@ from typing import Any
 import msgspec
 
 from farhand.common.errors import EndpointError, FarhandError, InputError
+from farhand.common.link.endpoints import check_endpoint, is_loopback
 from farhand.common.link.requests import MAX_REQUEST, Desk, Request, Requests, refusal
 from farhand.common.link.requests import ask as ask_program
-from farhand.common.link.zenoh_link import check_endpoint, is_loopback, open_session
+from farhand.common.link.zenoh_link import open_session
 from farhand.common.timing.slot import Slot
 from farhand.netem.action import Action
 from farhand.netem.endpoints import DEFAULT_ENDPOINT

@@ -6,7 +6,6 @@ on a dying link may block.
 """
 
 import json
-import re
 import threading
 from collections.abc import Callable, Iterable, Sequence
 
@@ -14,6 +13,7 @@ import zenoh
 
 from farhand.common.errors import EndpointError
 from farhand.common.link.delivery import CLASSES, class_of
+from farhand.common.link.endpoints import check_device, check_name, for_zenoh
 from farhand.common.link.keyed_inbox import KeyedInbox
 from farhand.common.link.link import Packet
 from farhand.common.link.outbox import Outbox
@@ -37,30 +37,6 @@ _HOW = {
     )
     for name, row in CLASSES.items()
 }
-_ENDPOINT = re.compile(
-    r"(tcp|tls|quic|udp|ws)/(\[[0-9a-fA-F:.]+(?:%[A-Za-z0-9_.-]+)?\]|[A-Za-z0-9_.-]+):(\d{1,5})"
-    r"(?:#iface=[A-Za-z0-9_.-]+)?\Z"
-)
-"""A link-local address names its device in one of two ways: tcp/[fe80::1%eth0]:7447, or #iface=eth0 at the end."""
-_LOOPBACK = {"127.0.0.1", "localhost", "[::1]"}
-
-
-def check_endpoint(endpoint: str) -> str:
-    """The endpoint itself if it has the form PROTOCOL/HOST:PORT; raises EndpointError otherwise."""
-    match = _ENDPOINT.match(endpoint)
-    if not match or not 0 < int(match[3]) < 65536:
-        raise EndpointError(
-            f"endpoint {endpoint!r}: expected PROTOCOL/HOST:PORT such as tcp/127.0.0.1:7447 "
-            "(tcp, tls, quic, udp or ws; port 1 to 65535; IPv6 in brackets, a link-local one with its device: "
-            "tcp/[fe80::1%eth0]:7447)"
-        )
-    return endpoint
-
-
-def is_loopback(endpoint: str) -> bool:
-    """Whether an endpoint can be reached from this host only."""
-    match = _ENDPOINT.match(endpoint)
-    return bool(match) and match[2] in _LOOPBACK  # type: ignore[index]
 
 
 def zenoh_config(
@@ -78,12 +54,10 @@ def zenoh_config(
         mode: `peer`; `client` of a router, which does not route between peers; or `router`.
         extra: further (path, value) settings, e.g. for TLS and access control.
     """
-    for endpoint in (*connect, *listen):
-        check_endpoint(endpoint)
     settings: list[tuple[str, object]] = [
         ("mode", mode),
-        ("connect/endpoints", list(connect)),
-        ("listen/endpoints", list(listen)),
+        ("connect/endpoints", [for_zenoh(endpoint) for endpoint in connect]),
+        ("listen/endpoints", [for_zenoh(endpoint) for endpoint in listen]),
         ("scouting/multicast/enabled", False),
         ("scouting/gossip/enabled", False),
         *TIMING,
@@ -108,7 +82,9 @@ def open_session(
     mode: str = "peer",
     extra: Iterable[tuple[str, object]] = (),
 ) -> zenoh.Session:
-    """Open a Zenoh session; raises EndpointError when it cannot listen."""
+    """Open a Zenoh session; raises EndpointError when it cannot listen, or could never connect."""
+    for endpoint in (*map(check_name, connect), *listen):
+        check_device(endpoint)
     try:
         return zenoh.open(zenoh_config(connect, listen, mode=mode, extra=extra))
     except zenoh.ZError as error:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import zenoh
 
 from farhand.common.errors import EndpointError, InputError
+from farhand.common.link.endpoints import check_endpoint, is_loopback
 from farhand.common.link.presence import Presence
-from farhand.common.link.zenoh_link import check_endpoint, is_loopback
 from farhand.common.trust.tls import TlsFolder, load_folder, watch_names
 
 

@@ -143,11 +143,12 @@ def zenohd(
 
     On the router's own host, since the paths of the folder's files are in it; again when members change.
     """
-    from farhand.common.link.zenoh_link import TIMING, check_endpoint
+    from farhand.common.link.endpoints import check_name, for_zenoh
+    from farhand.common.link.zenoh_link import TIMING
     from farhand.common.trust.tls import load_folder, nested
 
-    endpoints = [check_endpoint(endpoint) for endpoint in listen or ["tls/0.0.0.0:7447"]]
-    others = [check_endpoint(endpoint) for endpoint in connect or []]
+    endpoints = [for_zenoh(endpoint) for endpoint in listen or ["tls/0.0.0.0:7447"]]
+    others = [for_zenoh(check_name(endpoint)) for endpoint in connect or []]
     for option, given in (("--listen", endpoints), ("--connect", others)):
         for endpoint in given:
             if not endpoint.startswith("tls/"):

@@ -13,7 +13,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from farhand.common.errors import CertificateError, EndpointError
-from farhand.common.link.zenoh_link import check_endpoint, open_session
+from farhand.common.link.endpoints import check_device, check_name
+from farhand.common.link.zenoh_link import open_session
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import about_key
 from farhand.common.messages.state import RobotState
@@ -45,7 +46,8 @@ def run_doctor(
         as_json: print JSON instead of a table.
         router: the endpoint is a Zenoh router's.
     """
-    findings = examine(check_endpoint(endpoint), robot, tls, scenario, count, router)
+    check_device(check_name(endpoint))
+    findings = examine(endpoint, robot, tls, scenario, count, router)
     bad = sum(finding.level == "bad" for finding in findings)
     if as_json:
         print(json.dumps([asdict(finding) for finding in findings]))

@@ -5,6 +5,7 @@ import ssl
 from dataclasses import dataclass
 from typing import cast
 
+from farhand.common.link.endpoints import Endpoint, parse_endpoint
 from farhand.common.timing.clock import utc_seconds
 from farhand.common.trust.certificate import WARN_DAYS, today
 from farhand.common.trust.tls import TlsFolder
@@ -23,18 +24,21 @@ class Finding:
     remedy: str = ""
 
 
-def host_and_port(endpoint: str) -> tuple[str, int]:
-    """The address of an endpoint of the checked form PROTOCOL/HOST:PORT."""
-    host, _, port = endpoint.partition("/")[2].rpartition(":")
-    return host.strip("[]"), int(port)
+def dial(endpoint: Endpoint) -> socket.socket:
+    """A TCP connection to an endpoint, over the device that it names; raises OSError."""
+    host, port = endpoint.host, endpoint.port
+    if endpoint.device:
+        found = str(socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][4][0])
+        host = f"{found.partition('%')[0]}%{endpoint.device}" if ":" in found else found
+    return socket.create_connection((host, port), CONNECT_TIME)
 
 
 def probe_tcp(endpoint: str) -> Finding:
     """Whether the port accepts a connection."""
-    host, port = host_and_port(endpoint)
-    what = "reachability"
+    parts = parse_endpoint(endpoint)
+    host, port, what = parts.host, parts.port, "reachability"
     try:
-        socket.create_connection((host, port), CONNECT_TIME).close()
+        dial(parts).close()
     except socket.gaierror:
         return Finding("bad", what, f"no host is called {host!r}", "see the name, or give the address")
     except ConnectionRefusedError:
@@ -51,14 +55,14 @@ def probe_tcp(endpoint: str) -> Finding:
 
 def probe_tls(endpoint: str, folder: TlsFolder) -> Finding:
     """Whether both sides accept each other's certificates."""
-    host, port = host_and_port(endpoint)
+    parts = parse_endpoint(endpoint)
     what = "TLS"
     context = ssl.create_default_context(cafile=str(folder.path / "ca.pem"))
     context.load_cert_chain(folder.path / "cert.pem", folder.path / "key.pem")
     try:
         with (
-            socket.create_connection((host, port), CONNECT_TIME) as plain,
-            context.wrap_socket(plain, server_hostname=host) as secured,
+            dial(parts) as plain,
+            context.wrap_socket(plain, server_hostname=parts.host) as secured,
         ):
             certificate = secured.getpeercert() or {}
             subject = cast(tuple[tuple[tuple[str, str], ...], ...], certificate.get("subject", ()))

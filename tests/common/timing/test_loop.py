@@ -7,8 +7,8 @@ import pytest
 
 from farhand.common.errors import EndpointError, InputError
 from farhand.common.geometry import distance, norm, to_vector3
+from farhand.common.link.endpoints import check_endpoint, is_loopback
 from farhand.common.link.link import MemoryLink, Packet, memory_wire
-from farhand.common.link.zenoh_link import check_endpoint, is_loopback
 from farhand.common.messages.keys import (
     check_robot_name,
     command_key,
