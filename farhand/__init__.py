@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from farhand.common.scenario.section import NoSettings as NoSettings
     from farhand.common.scenario.section import Section as Section
     from farhand.common.scenario.section import own_settings as own_settings
-    from farhand.common.shapes.surroundings import Surroundings as Surroundings
     from farhand.laboratory.simulation import SimulationResult as SimulationResult
     from farhand.laboratory.simulation import simulate as simulate
     from farhand.laboratory.simulation import simulate_run as simulate_run
@@ -68,6 +67,7 @@ if TYPE_CHECKING:
     from farhand.robot_side.robots.settings import RobotScenario as RobotScenario
     from farhand.robot_side.robots.settings import RobotSettings as RobotSettings
     from farhand.robot_side.safety.settings import SafetySettings as SafetySettings
+    from farhand.robot_side.surroundings import Surroundings as Surroundings
     from farhand.runs.run import Run as Run
     from farhand.runs.scenario import Scenario as Scenario
     from farhand.runs.scenario import load_scenario as load_scenario
@@ -89,7 +89,7 @@ _HOME = {
     "NoSettings": "common.scenario.section",
     "Section": "common.scenario.section",
     "own_settings": "common.scenario.section",
-    "Surroundings": "common.shapes.surroundings",
+    "Surroundings": "robot_side.surroundings",
     "SimulationResult": "laboratory.simulation",
     "simulate": "laboratory.simulation",
     "simulate_run": "laboratory.simulation",

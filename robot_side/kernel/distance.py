@@ -18,10 +18,9 @@ Obstacles are the rows of a `Surroundings` table; the columns are named below.
 import math
 
 import numpy as np
-
-from farhand.robot_side.kernel.convex import segment_mesh
 from farhand.robot_side.kernel.jit import compiled
 
+from farhand.robot_side.kernel.convex import segment_mesh
 
 SPHERE, CAPSULE, BOX, PLANE, MESH = range(5)
 KIND, POSITION, ROTATION, SIZE, VELOCITY, ACCELERATION, BOUNDING = 0, 1, 4, 13, 16, 19, 20

@@ -35,8 +35,9 @@ Arrays:
 import math
 
 import numpy as np
-
 from farhand.robot_side.kernel.chain import place, turn
+from farhand.robot_side.kernel.jit import compiled
+
 from farhand.robot_side.kernel.distance import (
     ACCELERATION,
     NOTHING,
@@ -45,7 +46,6 @@ from farhand.robot_side.kernel.distance import (
     capsule_row,
     distance_floor,
 )
-from farhand.robot_side.kernel.jit import compiled
 
 # par: distance that rows keep, distance that the check keeps (m), period, reaction (s), gain (1/s), greatest braking
 # along a normal (m/s^2), share of the joints' acceleration that rows and the check count on, push outwards (m/s),
@@ -225,7 +225,10 @@ def find_rows(
         if joint < 0:
             continue
         radius = capsules[i, 7]
-        v, brake = 0.0, 0.0  # m/s, the fastest that any point of the link can be; m, that it can go until it stands
+        v, brake = (
+            0.0,
+            0.0,
+        )  # m/s, the fastest that any point of the link can be; m, that it can go until it stands
         for k in range(joint + 1):
             w = max(abs(low[k]), abs(high[k]))
             v += reach[i, k] * w
@@ -239,7 +242,9 @@ def find_rows(
             horizon = max(horizon, closing * (par[REACTION] + 0.5 * closing / par[BRAKING]))
             horizon = max(horizon, brake + vo * fastest / par[BRAKING])
             for k in range(joint + 1):
-                horizon = max(horizon, closing * (par[REACTION] + 0.5 * fastest / (par[ROW_SHARE] * acceleration[k])))
+                horizon = max(
+                    horizon, closing * (par[REACTION] + 0.5 * fastest / (par[ROW_SHARE] * acceleration[k]))
+                )
             horizon = max(horizon, par[PUSH] / par[GAIN]) + par[KEEP]
             floor = distance_floor(A[i], B[i], radius, rows[j])
             if floor > horizon and floor > nearest:
@@ -284,10 +289,18 @@ def find_rows(
             nearest, near_capsule, near_other = d + slack[k], i, -1 - k
         one, two = int(capsules[i, 0]), int(capsules[j, 0])
         row[:] = 0.0
-        wx, wy, wz = A[i, 0] + t * (B[i, 0] - A[i, 0]), A[i, 1] + t * (B[i, 1] - A[i, 1]), A[i, 2] + t * (B[i, 2] - A[i, 2])
+        wx, wy, wz = (
+            A[i, 0] + t * (B[i, 0] - A[i, 0]),
+            A[i, 1] + t * (B[i, 1] - A[i, 1]),
+            A[i, 2] + t * (B[i, 2] - A[i, 2]),
+        )
         add_row(Z, p, one, wx, wy, wz, nx, ny, nz, 1.0, row)
         speed = speed_of(Z, p, one, wx, wy, wz, previous)
-        wx, wy, wz = A[j, 0] + s * (B[j, 0] - A[j, 0]), A[j, 1] + s * (B[j, 1] - A[j, 1]), A[j, 2] + s * (B[j, 2] - A[j, 2])
+        wx, wy, wz = (
+            A[j, 0] + s * (B[j, 0] - A[j, 0]),
+            A[j, 1] + s * (B[j, 1] - A[j, 1]),
+            A[j, 2] + s * (B[j, 2] - A[j, 2]),
+        )
         add_row(Z, p, two, wx, wy, wz, nx, ny, nz, -1.0, row)
         speed += speed_of(Z, p, two, wx, wy, wz, previous)
         along = 0.0
@@ -296,7 +309,9 @@ def find_rows(
         bound = bound_of(d - par[KEEP] + slack[k], along, speed, False, par)
         count = take_row(row, bound, low, high, d, i, -1 - k, rows_out, b_out, facts, count)
         brake = 0.0
-        for m in range(min(one, two) + 1, n):  # only the joints between two links move them against each other
+        for m in range(
+            min(one, two) + 1, n
+        ):  # only the joints between two links move them against each other
             w = max(abs(low[m]), abs(high[m]))
             far = (reach[i, m] if m <= one else 0.0) + (reach[j, m] if m <= two else 0.0)
             brake += far * w * (par[REACTION] + 0.5 * fastest / (par[STOP_SHARE] * acceleration[m]))

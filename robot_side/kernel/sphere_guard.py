@@ -21,10 +21,10 @@ Arrays: x, v, u_c, u: (3,) m, m/s. rows, vertices: the table of obstacles. par: 
 import math
 
 import numpy as np
-
-from farhand.robot_side.kernel.distance import ACCELERATION, NOTHING, VELOCITY, capsule_row, distance_floor
 from farhand.robot_side.kernel.jit import compiled
 from farhand.robot_side.kernel.qp import SOLVED, solve, yielding
+
+from farhand.robot_side.kernel.distance import ACCELERATION, NOTHING, VELOCITY, capsule_row, distance_floor
 
 # par: radius of the sphere, distances that rows and check keep (m), period, shortest and longest lag (s), bound of the
 # acceleration (m/s^2; 0: none), kappa (1/s), fastest answer in any axis (m/s)
@@ -90,7 +90,10 @@ def way_is_clear(x, v, u, rows, vertices, par):
                 if capsule_row(a, b, par[RADIUS], rows[j], vertices)[0] < par[CHECK]:
                     # what is too near now already must only not come nearer
                     here = capsule_row(x, x, par[RADIUS], rows[j], vertices)[0]
-                    if here >= par[CHECK] or capsule_row(b, b, par[RADIUS], rows[j], vertices)[0] < here - 1e-6:
+                    if (
+                        here >= par[CHECK]
+                        or capsule_row(b, b, par[RADIUS], rows[j], vertices)[0] < here - 1e-6
+                    ):
                         return j
     return -1
 
@@ -98,7 +101,10 @@ def way_is_clear(x, v, u, rows, vertices, par):
 @compiled
 def _stands(row):
     return (
-        row[VELOCITY] == 0.0 and row[VELOCITY + 1] == 0.0 and row[VELOCITY + 2] == 0.0 and row[ACCELERATION] == 0.0
+        row[VELOCITY] == 0.0
+        and row[VELOCITY + 1] == 0.0
+        and row[VELOCITY + 2] == 0.0
+        and row[ACCELERATION] == 0.0
     )
 
 

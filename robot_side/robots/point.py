@@ -4,9 +4,9 @@ import math
 
 from farhand.common.geometry import Twist, turned
 from farhand.common.messages.base import ZERO, Quaternion, Vector3
-from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
+from farhand.robot_side.surroundings import Surroundings
 
 
 class PointRobot(Robot):

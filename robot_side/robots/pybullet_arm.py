@@ -12,7 +12,6 @@ from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Array, Twist, to_vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
-from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
@@ -24,6 +23,7 @@ from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
+from farhand.robot_side.surroundings import Surroundings
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
 

@@ -9,8 +9,8 @@ from farhand.common.geometry import Twist
 from farhand.common.messages.base import Quaternion, Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import NoSettings, Section
-from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.robots.settings import RobotScenario
+from farhand.robot_side.surroundings import Surroundings
 
 
 @dataclass(frozen=True, slots=True)

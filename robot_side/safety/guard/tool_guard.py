@@ -4,7 +4,6 @@ import numpy as np
 
 from farhand.common.geometry import Twist, Vector3
 from farhand.common.messages.intervention import Intervention, deed
-from farhand.common.shapes.surroundings import Surroundings
 from farhand.robot_side.kernel.distance import ACCELERATION, VELOCITY
 from farhand.robot_side.kernel.sphere_guard import (
     BAD,
@@ -24,6 +23,7 @@ from farhand.robot_side.kernel.sphere_guard import (
     guard,
 )
 from farhand.robot_side.safety.guard.settings import GuardSettings
+from farhand.robot_side.surroundings import Surroundings
 
 SPARE = 0.002
 """m, kept besides d_min for what lies between two ticks."""
@@ -74,7 +74,9 @@ class ToolGuard:
             around: the obstacles now.
         """
         self._x[:], self._v[:], self._u_c[:] = position, velocity, asked.linear
-        done = guard(self._x, self._v, self._u_c, around.rows, around.vertices, self._par, self._u, self._facts)
+        done = guard(
+            self._x, self._v, self._u_c, around.rows, around.vertices, self._par, self._u, self._facts
+        )
         self.did, self.nearest = None, float(self._facts[2])
         if done == FREE:
             return asked
