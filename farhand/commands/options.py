@@ -30,24 +30,24 @@ NetworkOption = Annotated[
 UplinkOption = Annotated[str | None, typer.Option(help="SPEC from operator to robot, where it differs.")]
 DownlinkOption = Annotated[str | None, typer.Option(help="SPEC from robot to operator, where it differs.")]
 MarginOption = Annotated[
-    str | None, typer.Option(metavar="|".join(MARGINS.names()), help="Safety margin (default: scenario's).")
+    str | None, typer.Option(metavar=" | ".join(MARGINS.names()), help="Safety margin (default: scenario's).")
 ]
 PredictorOption = Annotated[
     str | None,
     typer.Option(
-        metavar="|".join(PREDICTORS.names()),
+        metavar=" | ".join(PREDICTORS.names()),
         help="State predictor (default: the one that the margin is made for).",
     ),
 ]
 SolverOption = Annotated[
-    str | None, typer.Option(metavar="|".join(SOLVERS.names()), help="Solver (default: scenario's).")
+    str | None, typer.Option(metavar=" | ".join(SOLVERS.names()), help="Solver (default: scenario's).")
 ]
 SteerOption = Annotated[
-    str | None, typer.Option(metavar="|".join(DEVICES.names()), help="What steers (default: scenario's).")
+    str | None, typer.Option(metavar=" | ".join(DEVICES.names()), help="What steers (default: scenario's).")
 ]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Replace a setting of the scenario, e.g. --set controller.gamma=0.3."),
+    typer.Option("--set", help="Replace a setting of the scenario, e.g. --set robot.lag=0.3."),
 ]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of everything that is drawn.")]
 TimeLimitOption = Annotated[
