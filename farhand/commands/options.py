@@ -143,11 +143,12 @@ def parse_value(text: str) -> object:
 
 def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
-    from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
+
+    from farhand.common.process.console import page
 
     table = Table.grid(padding=(0, 2))
     for name, line in rows:
         table.add_row(f"[bold]{escape(name)}[/bold]", escape(line))
-    Console(emoji=False).print(table)
+    page(emoji=False).print(table)
