@@ -7,6 +7,7 @@ import sys
 import typer
 
 from farhand.commands.certs import certs_app
+from farhand.commands.help_words import in_plain_words
 from farhand.commands.laboratory import register as register_experiments
 from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
@@ -67,7 +68,8 @@ def run(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     die_with_parent()
     try:
-        result = app(arguments, prog_name="farhand", standalone_mode=False)
+        command = in_plain_words(typer.main.get_command(app))
+        result = command(arguments, prog_name="farhand", standalone_mode=False)
     except typer.Exit as end:
         return int(end.exit_code)
     except typer.Abort:

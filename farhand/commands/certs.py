@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from farhand.common.errors import CertificateError
+from farhand.common.process.console import page, whole
 
 certs_app = typer.Typer(
     help="Certificates: who may steer which robot. Give each program its folder with --tls.",
@@ -108,7 +108,8 @@ def show(
     table = Table("name", "robots", "listens at", "until", "days", "finding")
     for m, finding in rows:
         table.add_row(m.name, ", ".join(m.robots), ", ".join(m.hosts), m.end, f"{m.days_left:.0f}", finding)
-    Console().print(table)
+    console = page()
+    console.print(whole(table, console))
 
 
 @certs_app.command()

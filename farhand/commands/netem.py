@@ -122,8 +122,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Run the real proxy over loopback and compare what it did with what it drew."""
-    from rich.console import Console
-
+    from farhand.common.process.console import page, whole
     from farhand.netem.check.check import CheckSettings, run_check
     from farhand.netem.check.check_table import check_table
 
@@ -141,6 +140,7 @@ def check(
     if as_json:
         print(json.dumps(found))
     else:
-        Console().print(check_table(found))
+        console = page()
+        console.print(whole(check_table(found), console))
     if not found["passed"]:
         raise typer.Exit(1)

@@ -34,8 +34,8 @@ def show(
 ) -> None:
     """Show what a running emulator does: its network and its statistics."""
     import msgspec
-    from rich.console import Console
 
+    from farhand.common.process.console import page
     from farhand.netem.control import ask
     from farhand.netem.measure.report import print_statistics
     from farhand.netem.measure.result import NetemResult
@@ -44,7 +44,7 @@ def show(
     if as_json:
         print(json.dumps(statistics))
     else:
-        print_statistics(msgspec.convert(statistics, NetemResult), Console())
+        print_statistics(msgspec.convert(statistics, NetemResult), page())
 
 
 def set_network(

@@ -30,24 +30,24 @@ NetworkOption = Annotated[
 UplinkOption = Annotated[str | None, typer.Option(help="SPEC from operator to robot, where it differs.")]
 DownlinkOption = Annotated[str | None, typer.Option(help="SPEC from robot to operator, where it differs.")]
 MarginOption = Annotated[
-    str | None, typer.Option(metavar="|".join(MARGINS.names()), help="Safety margin (default: scenario's).")
+    str | None, typer.Option(metavar=" | ".join(MARGINS.names()), help="Safety margin (default: scenario's).")
 ]
 PredictorOption = Annotated[
     str | None,
     typer.Option(
-        metavar="|".join(PREDICTORS.names()),
+        metavar=" | ".join(PREDICTORS.names()),
         help="State predictor (default: the one that the margin is made for).",
     ),
 ]
 SolverOption = Annotated[
-    str | None, typer.Option(metavar="|".join(SOLVERS.names()), help="Solver (default: scenario's).")
+    str | None, typer.Option(metavar=" | ".join(SOLVERS.names()), help="Solver (default: scenario's).")
 ]
 SteerOption = Annotated[
-    str | None, typer.Option(metavar="|".join(DEVICES.names()), help="What steers (default: scenario's).")
+    str | None, typer.Option(metavar=" | ".join(DEVICES.names()), help="What steers (default: scenario's).")
 ]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Replace a setting of the scenario, e.g. --set controller.gamma=0.3."),
+    typer.Option("--set", help="Replace a setting of the scenario, e.g. --set robot.lag=0.3."),
 ]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of everything that is drawn.")]
 TimeLimitOption = Annotated[
@@ -143,11 +143,12 @@ def parse_value(text: str) -> object:
 
 def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
-    from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
+
+    from farhand.common.process.console import page
 
     table = Table.grid(padding=(0, 2))
     for name, line in rows:
         table.add_row(f"[bold]{escape(name)}[/bold]", escape(line))
-    Console(emoji=False).print(table)
+    page(emoji=False).print(table)

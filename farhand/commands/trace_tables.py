@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from farhand.common.process.console import page, whole
 from farhand.netem.models.model import DelayModel, Jitter, UniformJitter
 from farhand.netem.recordings.trace import QUANTILES, Trace
 
@@ -17,7 +18,7 @@ Summary = Mapping[str, float | int | str | None]
 
 def print_trace(trace: Trace, name: str, summary: Summary, correlation: Mapping[int, float]) -> None:
     """A trace's origin, quantiles and autocorrelation."""
-    console = Console()
+    console = page()
     span = "no times" if trace.duration is None else f"{trace.duration:.1f} s"
     loss = 100 * cast(float, summary["loss"])
     console.print(escape(f"{name}: {trace.kind}, {trace.provenance or 'source unknown'}"), highlight=False)
@@ -29,17 +30,17 @@ def print_trace(trace: Trace, name: str, summary: Summary, correlation: Mapping[
     for column in ("mean", "std", *QUANTILES):
         table.add_column(column, justify="right")
     table.add_row(*(in_ms(summary[column]) for column in ("mean", "std", *QUANTILES)))
-    console.print(table)
+    console.print(whole(table, console))
     lags = Table(title="autocorrelation, by the distance in samples", title_justify="left")
     for lag in correlation:
         lags.add_column(str(lag), justify="right")
     lags.add_row(*("-" if value != value else f"{value:.3f}" for value in correlation.values()))
-    console.print(lags)
+    console.print(whole(lags, console))
 
 
 def print_reading(trace: Trace, console: Console | None = None) -> None:
     """How the file was read, and what was assumed or left out."""
-    console, reading = console or Console(), trace.reading
+    console, reading = console or page(), trace.reading
     for what, how in reading.how.items():
         console.print(escape(f"  {what}: {how}"), highlight=False)
     console.print(f"  lost: {reading.lost_seen} seen, {reading.lost_inferred} inferred", highlight=False)
@@ -49,7 +50,7 @@ def print_reading(trace: Trace, console: Console | None = None) -> None:
 
 def print_fit(model: DelayModel, recorded: Summary, fitted: Mapping[float, float], lost: float) -> None:
     """Quantiles and loss of a recording and of the model fitted to it, and the model in words."""
-    console = Console()
+    console = page()
     table = Table(title="recorded and fitted delays, ms", title_justify="left")
     table.add_column("")
     for name in QUANTILES:
@@ -59,7 +60,7 @@ def print_fit(model: DelayModel, recorded: Summary, fitted: Mapping[float, float
     table.add_row("recorded", *(in_ms(recorded[name]) for name in QUANTILES), kept)
     drawn = (in_ms(fitted[percent]) for percent in QUANTILES.values())
     table.add_row("fitted", *drawn, f"{100 * lost:.2f} %")
-    console.print(table)
+    console.print(whole(table, console))
     for line in _describe(model):
         console.print(line, highlight=False)
 

@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 from farhand.common.link.ports import free_ports
+from farhand.common.process.console import page
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
@@ -16,7 +17,6 @@ from farhand.programs.compiling import prepare_aloud
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.robot_side.robots.registry import check_scenario
 from farhand.runs.conclude import conclude
-from farhand.runs.console import page
 from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder, write_scenario

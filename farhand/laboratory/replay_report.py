@@ -1,12 +1,12 @@
 """`farhand replay`: what it prints and how it ends."""
 
-import sys
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
 from farhand.common.errors import InputError
+from farhand.common.process.console import page, whole
 from farhand.common.process.outputs import check_writable
 from farhand.common.result_file import write_whole
 from farhand.laboratory.replay import Replay, differing_fields, replay, side_by_side, to_csv, to_json
@@ -14,7 +14,7 @@ from farhand.laboratory.replay import Replay, differing_fields, replay, side_by_
 
 def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_json: bool) -> int:
     """Replay and say what came out; returns 1 when decisions differ though nothing was changed, else 0."""
-    console = Console(file=sys.stderr if as_json else sys.stdout, highlight=False)
+    console = page(stderr=as_json, highlight=False)
     check_writable(out, "--out")
     result = replay(path, settings)
     for line in result.run.flaws():
@@ -62,7 +62,7 @@ def _compare(result: Replay, console: Console) -> None:
         table.add_column(heading, justify="left" if not heading else "right")
     for texts in side_by_side(result):
         table.add_row(*texts)
-    console.print(table)
+    console.print(whole(table, console))
     other = [tick for tick in result.ticks if tick.difference > 1e-3]
     line = f"{len(other)} of {len(result.ticks)} velocities differ by more than 1 mm/s"
     if other:

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from farhand.common.process.console import page
 from farhand.common.process.outputs import survive
 from farhand.common.process.signals import say
 from farhand.laboratory.simulation import simulate_run
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.result import sample_of
 from farhand.programs.compiling import prepare_aloud
-from farhand.runs.console import page
 from farhand.runs.figure import draw_run
 from farhand.runs.files import FIGURE, RECORDING, SCENARIO, SUMMARY
 from farhand.runs.report import print_outcome

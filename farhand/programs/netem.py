@@ -1,8 +1,7 @@
 """The program `farhand netem`: what it may listen on, who emulates, the emulator in its loop."""
 
-from rich.console import Console
-
 from farhand.common.errors import InputError
+from farhand.common.process.console import page
 from farhand.common.process.security import Access, secure
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.trust.zenoh_log import tell_refusals
@@ -45,13 +44,13 @@ def netem_program(
 
         stop_event = stop_event_on_signals()
         with kernel_emulation(settings, tc_operator, tc_robot) as forwarding:
-            run_netem(forwarding, stop_event, Console(), lambda: _say_where(settings))
+            run_netem(forwarding, stop_event, page(), lambda: _say_where(settings))
         return
     if backend not in BACKENDS:
         raise InputError(f"--backend {backend!r}: must be {' or '.join(BACKENDS)}")
     if tc_operator or tc_robot:
         raise InputError("--tc-operator and --tc-robot: only with --backend tc")
-    run_netem(settings, stop_event_on_signals(), Console(), lambda: _say_where(settings))
+    run_netem(settings, stop_event_on_signals(), page(), lambda: _say_where(settings))
 
 
 def _say_where(settings: NetemSettings) -> None:

@@ -8,10 +8,10 @@ import msgspec
 from rich.console import Console
 
 from farhand.common.errors import InputError
+from farhand.common.process.console import page
 from farhand.common.process.outputs import survive
 from farhand.common.process.signals import say
 from farhand.common.result_file import write_whole
-from farhand.runs.console import page
 from farhand.runs.figure import draw_run
 from farhand.runs.files import FIGURE, OPERATOR, RESULTS, ROBOT, SCENARIO, SUMMARY
 from farhand.runs.report import print_outcome

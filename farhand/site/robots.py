@@ -14,11 +14,11 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import PREFIX, robot_of, state_key
 from farhand.common.messages.state import RobotState
 from farhand.common.messages.twins import Twins
+from farhand.common.process.console import page, whole
 from farhand.common.process.security import Access, secure, tool_place
 from farhand.common.process.signals import say
 from farhand.common.timing.clock import SystemClock, to_ns, to_seconds
 from farhand.operator_side.supervision import holder_name
-from farhand.runs.console import page
 from farhand.runs.freshness import Freshness, freshness
 
 MEET_TIME = 3.0
@@ -51,7 +51,8 @@ def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = 
         table.add_column(column, overflow="fold")
     for row in rows:
         table.add_row(*(escape(str(row[column])) for column in columns))
-    page().print(table if rows else "no robots")
+    console = page()
+    console.print(whole(table, console) if rows else "no robots")
     if emulated:
         print("a network emulator (farhand netem) is between here and the robots")
     return code

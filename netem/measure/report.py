@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from farhand.common.process.console import whole
 from farhand.netem.measure.result import Delays, NetemResult
 
 
@@ -59,11 +60,11 @@ def _quantiles(delays: Delays) -> str:
 
 def print_statistics(statistics: NetemResult, console: Console) -> None:
     """The table of both directions and, where robots have networks of their own or are several, one of robots."""
-    console.print(statistics_table(statistics))
+    console.print(whole(statistics_table(statistics), console))
     names = {name for way in statistics.directions.values() for name in way.robots}
     own = {name for way in statistics.directions.values() for name in way.robot_specs}
     if own or len(names - {"other", "netem"}) > 1:
-        console.print(robots_table(statistics, sorted(names | own)))
+        console.print(whole(robots_table(statistics, sorted(names | own)), console))
 
 
 def robots_table(statistics: NetemResult, names: list[str]) -> Table:

@@ -1,10 +1,11 @@
-"""What --help says stands there as it was written: square brackets would be taken for markup and vanish."""
+"""What --help says stands there as it was written, whole in 80 columns, and in words instead of Python's types."""
 
 import re
 
+import pytest
 import typer
 
-from farhand.cli import app
+from farhand.cli import app, run
 
 
 def commands(group, path):
@@ -22,8 +23,26 @@ def test_no_help_is_taken_for_markup():
             assert not re.search(r"\[[a-z#/@]", text), f"{path} {parameter.name}: {text}"
 
 
-def test_choices_are_named_in_place_of_a_type():
-    demo = dict(commands(typer.main.get_command(app), "farhand"))["farhand demo"]
-    metavars = {parameter.name: parameter.metavar for parameter in demo.params}
-    assert metavars["margin"] == "none|paper|adaptive"
-    assert metavars["solver"] == "newton|sqp|ipopt"
+PATHS = [path for path, _ in commands(typer.main.get_command(app), "farhand")]
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_help_is_whole_in_80_columns(path, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TERMINAL_WIDTH", "80")
+    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 80)
+    assert run([*path.split()[1:], "--help"]) == 0
+    said = capsys.readouterr().out
+    assert max(map(len, said.splitlines())) <= 80
+    assert "…" not in said
+    assert not re.search(r"<(bool|str|int|float|path|list)|x<=|<=x", said)
+
+
+def test_choices_are_named_whole(monkeypatch, capsys):
+    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 80)
+    for command in ("demo", "simulate", "operator"):
+        assert run([command, "--help"]) == 0
+        said = capsys.readouterr().out.split()
+        for choice in ("none", "paper", "adaptive", "last-command", "timeline", "newton", "ipopt", "tester"):
+            assert choice in said
+        assert "KEY=VALUE" in said

@@ -2,15 +2,14 @@
 
 import importlib.util
 import json
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
+from farhand.common.process.console import page, whole
 from farhand.common.result_file import write_whole
 from farhand.laboratory.campaigns.jobs import UNITS, Row
 from farhand.laboratory.campaigns.pools import Pool
@@ -26,7 +25,7 @@ WITHOUT_PARQUET = f"no {PARQUET}: pyarrow is not installed (pip install 'farhand
 
 def run_sweep(sweep: Sweep, pool: Pool, out: Path, as_json: bool) -> int:
     """Run the sweep or what is missing of it; returns 0, or 1 when a run crashed."""
-    console = Console(file=sys.stderr if as_json else sys.stdout)
+    console = page(stderr=as_json)
     store = Store(out, sweep.about())
     rows, run = run_with_progress(sweep.jobs, store, pool, console)
     written = [JSON, TABLE]
@@ -39,7 +38,7 @@ def run_sweep(sweep: Sweep, pool: Pool, out: Path, as_json: bool) -> int:
     listed = [{"point": labels, **asdict(cell)} for labels, cell in points]
     found = {"about": sweep.about(), "points": listed, "run": run}
     keep(out / JSON, lambda path: write_whole(path, json.dumps(found, indent=1) + "\n"), console)
-    console.print(_table(points))
+    console.print(whole(_table(points), console))
     report_crashes(rows, console)
     console.print(f"results in {out}/: {', '.join(written)}", highlight=False)
     if as_json:

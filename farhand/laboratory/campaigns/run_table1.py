@@ -1,7 +1,6 @@
 """`farhand table1` from beginning to end: run, tables, figures, files."""
 
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
 
+from farhand.common.process.console import page, whole
 from farhand.common.process.outputs import survive
 from farhand.common.result_file import write_whole
 from farhand.common.timing.clock import processor_seconds
@@ -24,7 +24,7 @@ JSON, MARKDOWN = "table1.json", "table1.md"
 
 def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
     """Run the campaign or what is missing of it; returns 0, or 1 when a task crashed."""
-    console = Console(file=sys.stderr if as_json else sys.stdout)
+    console = page(stderr=as_json)
     store = Store(out, table.about())
     jobs = table.jobs()
     rows, run = run_with_progress(jobs, store, pool, console)
@@ -40,7 +40,7 @@ def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
             console.print(
                 f"figures cannot be drawn: {type(error).__name__}: {error}", style="yellow", markup=False
             )
-    console.print(to_rich(rows))
+    console.print(whole(to_rich(rows), console))
     report_crashes(rows, console)
     console.print(f"results in {out}/: {JSON}, {MARKDOWN}, tasks.csv, figures", highlight=False)
     if as_json:

@@ -51,14 +51,18 @@ def to_markdown(table: Table1, rows: Sequence[Row]) -> str:
 
 def to_rich(rows: Sequence[Row]) -> Table:
     """The table for a terminal."""
-    rich = Table(caption=" ".join(NOTES), caption_justify="left", title_justify="left")
+    notes = " ".join(NOTES).replace("Interventions", "Acted (the filter intervened)")
+    rich = Table(caption=notes, caption_justify="left", title_justify="left")
     for number, heading in enumerate(HEADINGS):
-        rich.add_column(heading, justify="left" if number < 2 else "right")
+        shown = "acted" if heading == "interventions" else heading
+        rich.add_column(shown, justify="left" if number < 2 else "right")
     previous = ""
     for texts in table_rows(cells(rows)):
         if previous and texts[0] != previous:
             rich.add_section()
-        rich.add_row(*(("" if texts[0] == previous else texts[0]), *texts[1:]))
+        name, _, spec = texts[0].removesuffix("`)").partition(" (`")
+        delay = name + spec.replace(f"{name}:", "\n")  # narrow: `gaussian` over `50,20`
+        rich.add_row("" if texts[0] == previous else delay, *texts[1:])
         previous = texts[0]
     return rich
 

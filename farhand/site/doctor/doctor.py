@@ -18,9 +18,9 @@ from farhand.common.link.zenoh_link import open_session
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import about_key
 from farhand.common.messages.state import RobotState
+from farhand.common.process.console import page, whole
 from farhand.common.process.security import tool_place
 from farhand.common.trust.tls import TlsFolder, load_folder
-from farhand.runs.console import page
 from farhand.runs.scenario import Scenario
 from farhand.site.doctor.description import DESCRIPTION_TIME, Listening, judge_robot
 from farhand.site.doctor.facts import judge, own_certificate, rights, this_host
@@ -59,7 +59,7 @@ def run_doctor(
         remedy = f"\n→ {finding.remedy}" if finding.remedy else ""
         table.add_row(finding.level, finding.what, escape(finding.found + remedy))
     console = page()
-    console.print(table)
+    console.print(whole(table, console))
     notes = sum(finding.level == "note" for finding in findings)
     ways = f"{bad or 'nothing'} of this is in the way" if bad else "nothing is in the way"
     console.print(f"{ways}{f'; {notes} to note' if notes else ''}")

@@ -1,5 +1,6 @@
 import csv
 import io
+import sys
 
 import pyarrow.parquet as pq
 import pytest
@@ -61,6 +62,16 @@ def test_one_table_as_csv_and_parquet(tmp_path, capsys):
     assert run_cli(["sweep", str(path), "--workers", "1", "--out", str(tmp_path / "out")]) == 0
     assert "8 of 8 runs are there already" in capsys.readouterr().out
     assert (tmp_path / "out" / "tasks.csv").read_text() == text
+
+
+def test_without_pyarrow_the_csv_is_there_and_one_line_says_what_is_not(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    path = write(tmp_path, GOOD.replace("[100, 200]", "[100]").replace("[0.3, 0.5]", "[0.3]"))
+    assert run_cli(["sweep", str(path), "--workers", "1", "--out", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said.count("no tasks.parquet: pyarrow is not installed (pip install 'farhand[parquet]')") == 1
+    assert said[-1] == f"results in {tmp_path / 'out'}/: sweep.json, tasks.csv"
+    assert sorted(each.name for each in (tmp_path / "out").glob("tasks.*")) == ["tasks.csv"]
 
 
 @pytest.mark.parametrize(
