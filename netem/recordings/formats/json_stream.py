@@ -11,6 +11,7 @@ LARGEST_VALUE = 64 << 20
 """Of one value that is not an array's item on its own (characters)."""
 _AFTER = tuple(" \t\r\n,:]}")
 _HALF_NUMBER = re.compile(r"(\.|[eE][+-]?)\s*\Z")
+_HALF_ESCAPE = re.compile(r"(\\|u[0-9a-fA-F]{0,3})\Z")
 _LITERALS = ("true", "false", "null", "-")
 
 
@@ -131,5 +132,6 @@ class JsonStream:
     def _wrong(self, error: json.JSONDecodeError) -> JsonError:
         rest = self._buffer[error.pos :].strip()
         ends = not rest or any(literal.startswith(rest) for literal in _LITERALS)
+        ends = ends or bool(_HALF_ESCAPE.match(rest))
         kind = CutOffError if ends or error.msg.startswith("Unterminated string") else JsonError
         return kind(f"{error.msg} at {rest[:20]!r}" if rest else error.msg)
