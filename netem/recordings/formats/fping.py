@@ -4,7 +4,8 @@
     8.8.8.8 : [1], timed out (12.3 avg, 50% loss)
     8.8.8.8 : 12.3 - 13.1 11.9                                    fping -C; "-" is a lost message
 
-Of several hosts, `column` says which.
+Of several hosts, `column` says which. Several runs in one log (after the statistics, or where the numbers start again)
+follow one another; what lies between them is no silence of the network.
 """
 
 import math
@@ -23,6 +24,7 @@ from farhand.netem.recordings.formats.base import (
 
 _EACH = re.compile(r"\A(?:\[([0-9.]{1,24})\]\s)?(\S+)\s+: \[(\d{1,9})\], (.*)\Z")
 _ROW = re.compile(r"\A(\S+)\s+:((?: (?:\d+(?:\.\d+)?|-))+)\s*\Z")
+_ENDED = re.compile(r"\A(\S+)\s+: xmt/rcv/%loss = ")
 _TIME = re.compile(r"([0-9.]{1,24}) ms\b")
 
 
@@ -45,44 +47,98 @@ class Fping(TraceFormat):
                 _take_each(found.setdefault(each.group(2), _Host()), each, text, line)
             elif row := _ROW.match(content):
                 _take_row(found.setdefault(row.group(1), _Host()), row.group(2).split(), text, line)
+            elif ended := _ENDED.match(content):
+                found.setdefault(ended.group(1), _Host()).ended = True
             elif text.cut_off_at(line):
                 text.say_cut_off(line)
         name, host = _chosen(found, options, text)
         text.how("column", f"host {name}")
         text.how("unit", "ms (as fping writes)")
         text.how("kind", f"{options.kind} (as said)" if options.kind else "round-trip (as fping measures)")
-        numbers = range(min(0, *host.delays), max(host.delays) + 1)
-        samples = TraceSamples(
-            options.kind or "round-trip",
-            [host.delays.get(n, math.nan) for n in numbers],
-            period=options.period,
-            provenance=f"fping {name}",
-            rows_missing="none",
-            inferred=sum(n not in host.delays for n in numbers),
-        )
-        if len(host.stamps) == len(numbers):
-            samples.times = [host.stamps[n] for n in numbers]
-            samples.period = None
-            text.how("times", "the time stamps of -D")
-        elif options.period is None:
-            text.how("times", "none; say period=1000 (--period) if one was sent each second")
-        return samples
+        return _samples(name, host, options, text)
+
+
+def _samples(name: str, host: "_Host", options: TraceOptions, text: TraceText) -> TraceSamples:
+    """All runs of a host, one after the other."""
+    samples = TraceSamples(
+        options.kind or "round-trip", period=options.period, provenance=f"fping {name}", rows_missing="none"
+    )
+    runs = [run for run in host.runs if run.delays]
+    if len(runs) > 1:
+        where = ", ".join(str(run.line) for run in runs[:10])
+        text.say(f"{len(runs)} runs of fping, one after the other, that begin at lines {where}")
+    times: list[float] = []
+    pauses: list[int] = []
+    for run in runs:
+        numbers = run.numbers()
+        pauses.append(len(samples.delays))
+        samples.delays += [run.delays.get(n, math.nan) for n in numbers]
+        samples.inferred += sum(n not in run.delays for n in numbers)
+        times += [run.stamps[n] for n in numbers if n in run.stamps]
+    samples.pauses = tuple(pauses[1:])
+    if len(times) == len(samples.delays):
+        samples.times, samples.period = times, None
+        text.how("times", "the time stamps of -D")
+    elif options.period is None:
+        text.how("times", "none; say period=1000 (--period) if one was sent each second")
+    return samples
+
+
+class _Run:
+    """One call of fping: delays and instants of sending (s) by number.
+
+    Args:
+        line: where it begins.
+    """
+
+    def __init__(self, line: int) -> None:
+        self.line = line
+        self.delays: dict[int, float] = {}
+        self.stamps: dict[int, float] = {}
+
+    def numbers(self) -> range:
+        """From the first message on, which has number 0, to the last that is known of."""
+        return range(max(self.delays) + 1)
 
 
 class _Host:
-    """Delays and instants of sending (s) by number."""
+    """The runs of one host.
+
+    Attributes:
+        runs: in order.
+        ended: the statistics of the last one have come.
+    """
 
     def __init__(self) -> None:
-        self.delays: dict[int, float] = {}
-        self.stamps: dict[int, float] = {}
+        self.runs: list[_Run] = []
+        self.ended = False
+
+    @property
+    def delays(self) -> bool:
+        """Whether there are any."""
+        return any(run.delays for run in self.runs)
+
+    def begin(self, line: int) -> _Run:
+        """A new run."""
+        self.runs.append(_Run(line))
+        self.ended = False
+        return self.runs[-1]
+
+    def run_of(self, at: int, line: int) -> _Run:
+        """The run that a number belongs to: a new one after the statistics, or where a number comes again."""
+        if not self.runs or self.ended:
+            return self.begin(line)
+        run = self.runs[-1]
+        answered = not math.isnan(run.delays.get(at, math.nan))
+        # The first message of another run, even if that of this one was lost.
+        starts_again = at == 0 and at in run.delays and len(run.delays) > 1
+        return self.begin(line) if answered or starts_again else run
 
 
 def _take_each(host: _Host, found: re.Match[str], text: TraceText, line: int) -> None:
     stamp, at, rest = found.group(1), int(found.group(3)), found.group(4)
-    if at > 4_000_000 or at < len(host.delays) - 1000:
-        text.fail(
-            f"the numbers start again or are too high: {text.excerpt(line)}; cut the file into its runs", line
-        )
+    if at > 4_000_000:
+        text.fail(f"the number is too high: {text.excerpt(line)}", line)
     time = _TIME.search(rest)
     if time is None and text.cut_off_at(line):
         text.say_cut_off(line)
@@ -92,24 +148,23 @@ def _take_each(host: _Host, found: re.Match[str], text: TraceText, line: int) ->
         delay = check_delay(number(time.group(1), text, line, "a time in ms") * 1e-3, text, line)
     elif "timed out" not in rest and "nreachable" not in rest and "xceeded" not in rest:
         text.fail(f"not a line of fping: {text.excerpt(line)}", line)
-    if math.isnan(host.delays.get(at, math.nan)):
-        host.delays[at] = delay
+    run = host.run_of(at, line)
+    run.delays[at] = delay
     if stamp is not None:
         instant = number(stamp, text, line, "a time stamp")
-        host.stamps.setdefault(at, instant if math.isnan(delay) else instant - delay)
+        run.stamps.setdefault(at, instant if math.isnan(delay) else instant - delay)
 
 
 def _take_row(host: _Host, words: list[str], text: TraceText, line: int) -> None:
     if text.cut_off_at(line):
         text.say_cut_off(line)
         words = words[:-1]
-    at = len(host.delays)
-    for word in words:
+    run = host.begin(line)
+    for at, word in enumerate(words):
         is_lost = word == "-"
-        host.delays[at] = (
+        run.delays[at] = (
             math.nan if is_lost else check_delay(number(word, text, line, "ms") * 1e-3, text, line)
         )
-        at += 1
 
 
 def _chosen(found: dict[str, "_Host"], options: TraceOptions, text: TraceText) -> tuple[str, _Host]:

@@ -3,6 +3,7 @@
 `column` chooses `rtt` (default), or the one-way `send` or `receive`. These compare two clocks, of which the file does
 not say whether they agree: `kind=one-way` says that they do, and delays below zero or above the round trip's prove that
 they do not. `irtt client -o` packs its file (`.json.gz`), which is read as well.
+Round trips are read one by one, whatever the size of the file; one that was cut off gives those that are whole.
 """
 
 import itertools
@@ -12,6 +13,7 @@ from typing import Any, ClassVar
 import msgspec
 
 from farhand.netem.recordings.formats.base import (
+    MAX_SAMPLES,
     UNITS,
     TraceFormat,
     TraceOptions,
@@ -19,6 +21,7 @@ from farhand.netem.recordings.formats.base import (
     TraceText,
     check_delay,
 )
+from farhand.netem.recordings.formats.json_stream import CutOffError, JsonError, JsonStream
 
 _COLUMNS = ("rtt", "send", "receive")
 
@@ -47,11 +50,6 @@ class _Config(msgspec.Struct):
     interval: int = 0
 
 
-class _Report(msgspec.Struct):
-    round_trips: list[_RoundTrip]
-    config: _Config = msgspec.field(default_factory=_Config)
-
-
 class Irtt(TraceFormat):
     """JSON of irtt."""
 
@@ -74,25 +72,57 @@ class Irtt(TraceFormat):
                 f"column {column}: irtt does not know whether its two clocks agree; if they were synchronised, say "
                 "kind=one-way (--kind one-way), else take the rtt"
             )
-        try:
-            report = msgspec.json.decode("\n".join(text.lines), type=_Report)
-        except (msgspec.DecodeError, RecursionError, ValueError) as error:
-            text.fail(f"not the JSON of irtt: {error}")
         kind = options.kind or "round-trip"
         samples = TraceSamples(kind, provenance="irtt", rows_missing="none")
         text.how("column", column)
         text.how("unit", "ns (as irtt writes)")
         text.how("kind", f"{options.kind} (as said)" if options.kind else "round-trip (as irtt measures)")
-        for index, trip in enumerate(report.round_trips):
-            samples.delays.append(_delay(trip, column, f"round_trips[{index}].delay", text))
-        times = [trip.timestamps.client.send.monotonic * UNITS["ns"] for trip in report.round_trips]
+        times: list[float] = []
+        interval = _read(text, column, samples.delays, times)
         if all(b > a for a, b in itertools.pairwise(times)):
             samples.times = times
             text.how("times", "ns of the client's clock")
             return samples
-        samples.period = options.period or report.config.interval * UNITS["ns"] or None
+        samples.period = options.period or interval * UNITS["ns"] or None
         text.say("the sending times do not increase, and are not used; the interval is, if the file says it")
         return samples
+
+
+def _read(text: TraceText, column: str, delays: list[float], times: list[float]) -> int:
+    """Take the round trips one by one, so that no file is too large; returns the interval (ns; 0: not said)."""
+    stream, interval, found = JsonStream(text.lines), 0, False
+    try:
+        for key in stream.members():
+            if key == "round_trips":
+                found = True
+                _take_trips(stream, text, column, delays, times)
+            elif key == "config":
+                interval = msgspec.convert(stream.value(), _Config).interval
+            else:
+                stream.value()
+    except CutOffError:
+        if not delays:
+            text.fail("not the JSON of irtt: it is cut off before the first whole round trip")
+        text.say(f"the file is cut off within or after round_trips[{len(delays)}]: read up to there")
+    except (JsonError, msgspec.ValidationError, ValueError) as error:
+        text.fail(f"not the JSON of irtt: {error}")
+    if not found:
+        text.fail("not the JSON of irtt: it has no round_trips")
+    return interval
+
+
+def _take_trips(
+    stream: JsonStream, text: TraceText, column: str, delays: list[float], times: list[float]
+) -> None:
+    for index, item in enumerate(stream.items()):
+        if index >= MAX_SAMPLES:
+            text.fail(f"more than {MAX_SAMPLES} samples; at most as many can be read")
+        try:
+            trip = msgspec.convert(item, _RoundTrip)
+        except msgspec.ValidationError as error:
+            text.fail(f"not the JSON of irtt: round_trips[{index}]: {error}")
+        delays.append(_delay(trip, column, f"round_trips[{index}].delay", text))
+        times.append(trip.timestamps.client.send.monotonic * UNITS["ns"])
 
 
 def _delay(trip: _RoundTrip, column: str, where: str, text: TraceText) -> float:
