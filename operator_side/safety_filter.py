@@ -1,6 +1,6 @@
 """From a desired velocity to a safe plan: margin and obstacles into the controller, its answer checked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -77,6 +77,7 @@ class SafetyFilter:
         self._centres = self._velocities = np.zeros((0, 3))
         self._radii = self._speeds = np.zeros(0)
         self._moving = False
+        self._posed: ControlProblem | None = None
 
     def filter(self, ahead: Ahead) -> Filtered:
         """The plan for a desired velocity.
@@ -105,6 +106,7 @@ class SafetyFilter:
             velocities=self._velocities,
             sigmas=np.full(len(self._radii), margin.sigma),
         )
+        self._posed = problem
         # A margin may have grown over the robot: then the way out is solved for, and checked as strictly.
         solution = self._controller.solve(eased(problem, self._settings) or problem)
         plan, reason = safe_plan(problem, solution, self._settings)
@@ -116,6 +118,14 @@ class SafetyFilter:
             lag_part = float(parts[np.argmin(gaps - radii)])
             trail.learn(desired, plan[0], float(np.max(parts)))
         return Filtered(plan, solution, binding, reason, lag_part)
+
+    def problem_from(self, start: Vector3) -> ControlProblem | None:
+        """The newest problem a period later, from `start` (m), for those who only look; None before the first."""
+        posed = self._posed
+        if posed is None:
+            return None
+        moved = posed.centres + self._settings.period * posed.velocities if self._moving else posed.centres
+        return replace(posed, position=np.array(start), centres=moved)
 
     def stand_still(self) -> Array:
         """A plan of zeros; the warm start is forgotten."""

@@ -65,6 +65,7 @@ class RecordedSteering(SteeringDevice):
             engaged=mode == "run",
             acknowledge=mode == "acknowledge",
             estop=mode == "estop",
+            angular=self.report.desired_angular,
         )
 
 
