@@ -28,12 +28,17 @@ def checked_margin(margin: Margin) -> Margin:
 
 
 def checked_steering(steering: SteeringInput) -> SteeringInput:
-    """What the device wants; raises KindError unless it is a SteeringInput with a finite velocity."""
+    """What the device wants; raises KindError unless it is a SteeringInput of finite numbers."""
     if not isinstance(steering, SteeringInput):
         raise KindError(f"the steering device gave {steering!r}; it must be a SteeringInput")
     velocity = steering.velocity
     if len(velocity) != 3 or not all(map(math.isfinite, velocity)):
         raise KindError(f"the steering device wants {velocity!r}; it must be three finite numbers (m/s)")
+    angular = steering.angular
+    if len(angular) != 3 or not all(map(math.isfinite, angular)):
+        raise KindError(
+            f"the steering device wants to turn at {angular!r}; it must be three finite numbers (rad/s)"
+        )
     return steering
 
 

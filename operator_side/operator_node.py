@@ -1,17 +1,15 @@
 """The operator's side, once a tick:
 
 link -> perception (newest state, scene, description) -> round trip, innovations
-     -> targets reached -> steering device (desired velocity) -> supervision (mode)
-     -> state predictor (where the robot will be) -> margin -> safety filter (MPC-CBF)
+     -> what this tick shall command (deciding.py)
      -> velocity command with its plan -> link,  and a report of it all.
 """
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from typing import Protocol
 
-from farhand.common.geometry import norm, to_vector3
+from farhand.common.geometry import STILL, Twist
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.codec import encode
@@ -24,24 +22,14 @@ from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.delay_limits import beyond_limits
-from farhand.operator_side.faults import checked_margin, checked_plan, checked_steering, told
-from farhand.operator_side.margins.law import Margin, MarginInput
-from farhand.operator_side.margins.registry import make_margin
+from farhand.operator_side.deciding import Decided, Decider, Senses
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.command_history import CommandHistory
-from farhand.operator_side.prediction.innovations import Innovations
-from farhand.operator_side.prediction.law import Known, Prediction, StatePredictor
-from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.operator_side.reporting import ReportWriter, Tick
 from farhand.operator_side.round_trip import RoundTrip
-from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
 from farhand.operator_side.settings import OperatorScenario
-from farhand.operator_side.steering.device import SteeringDevice, View
-from farhand.operator_side.steering.targets import Targets
-from farhand.operator_side.supervision import Decision, Supervision
-
-STALE_STATE = "no news from the robot: resynchronising"
+from farhand.operator_side.steering.device import SteeringDevice
+from farhand.operator_side.supervision import Supervision
 
 
 class Recorder(Protocol):
@@ -65,36 +53,6 @@ class OperatorIdentity:
     robot: str
     session: int
     name: str = "operator"
-
-
-@dataclass(frozen=True, slots=True)
-class _Mind:
-    """What depends on the robot.
-
-    Attributes:
-        robot: as it describes itself.
-        innovations: errors of the predictions so far.
-        predictor: where it will be.
-        filter: what it may do.
-    """
-
-    robot: RobotDescription
-    innovations: Innovations
-    predictor: StatePredictor
-    filter: SafetyFilter
-
-
-@dataclass(frozen=True, slots=True)
-class _Decided:
-    """What a tick shall command; see reporting.Tick for what is not said here."""
-
-    decision: Decision
-    reason: str
-    desired: Vector3
-    prediction: Prediction = field(default_factory=lambda: Prediction(ZERO))
-    margin: Margin = field(default_factory=Margin)
-    filtered: Filtered | None = None
-    solve_time: float = 0.0
 
 
 class OperatorNode:
@@ -123,28 +81,31 @@ class OperatorNode:
         self.listeners: list[Callable[[ControlReport], object]] = []  # told of every tick; must be quick
         self.recorder: Recorder | None = None
         self._link, self._key = link, command_key(who.robot)
-        self._stopwatch = stopwatch
         self._ticks = Periodic(to_ns(scenario.controller.period))
         self._period = scenario.controller.period
         self._perception = Perception(who.robot)
         self.round_trip = RoundTrip(who.session, scenario.margin.rtt_window)
         self._history = CommandHistory()
-        self._margin = make_margin(scenario.margin)
-        self._controller = controller
-        predictor = scenario.operator.predictor or self._margin.predictor
-        self._prediction_law = PREDICTORS.get(predictor, "operator.predictor")
-        self._mind: _Mind | None = None
-        self._targets = Targets(scenario.operator.tolerance)
         self._supervision = Supervision(who.session, who.name)
+        senses = Senses(self._perception, self.round_trip, self._history, stopwatch)
+        self._decider = Decider(scenario, controller, device, senses, self._supervision)
         self._writer = ReportWriter(who.name, who.session, self._perception, self.round_trip)
-        self._seq, self._refused_after = -1, 0.0  # s from the first command to news of stale ones
-        self.fault = ""  # what a kind got wrong, in one line: the node stands from then on
-        self.driving_since_ns: int | None = None  # instant of the first `run` command
+        self._seq = -1
+
+    @property
+    def fault(self) -> str:
+        """What a kind got wrong, in one line: the node stands from then on; empty: nothing."""
+        return self._decider.fault
+
+    @property
+    def driving_since_ns(self) -> int | None:
+        """Instant of the first `run` command."""
+        return self._decider.driving_since_ns
 
     @property
     def finished(self) -> bool:
         """Whether every target has been reached."""
-        return self._targets.finished
+        return self._decider.targets.finished
 
     @property
     def waits(self) -> bool:
@@ -211,175 +172,76 @@ class OperatorNode:
         must predict from the commands that the robot got."""
         decided = self._history.get(command.seq)
         if decided is not None:
-            velocities = (command.velocity, *command.plan)
-            self._history.add(command.seq, decided.t_sent_ns, self._period, velocities, decided.predicted)
+            self._history.add(
+                command.seq,
+                decided.t_sent_ns,
+                self._period,
+                (command.velocity, *command.plan),
+                decided.predicted,
+                (command.angular, *command.plan_angular),
+            )
 
     def release(self, now_ns: int) -> None:
         """Give control up; the last command of a session."""
         self._seq += 1
-        self._send(now_ns, "release", ZERO, (), ZERO)
+        self._send(now_ns, "release", (ZERO,), (), STILL)
 
     def _tick(self, now_ns: int) -> None:
         packets = self._link.receive()
         for packet in packets:
             self._take(packet)
-        try:
-            decided = self._stand() if self.fault else self._decide(now_ns)
-        except Exception as error:  # of a law, a device or a controller: nothing throws in a control loop
-            self.fault = told(error)
-            decided = self._stand()
-        decision, prediction, filtered = decided.decision, decided.prediction, decided.filtered
-        mode, mind = decision.mode, self._mind
-        desired = decided.desired
-        velocities = self._velocities(filtered)
-        payload = None
-        if mode is not None:
-            if not decision.asking:
-                self._history.add(self._seq, now_ns, self._period, velocities, prediction.start)
-                self.round_trip.sent(self._seq, now_ns)
-            payload = self._send(now_ns, mode, velocities[0], velocities[1:], desired, decision.successor)
-        self.report = self._writer.write(
-            Tick(
-                now_ns=now_ns,
-                seq=self._seq,
-                mode=mode or "hold",
-                reason=decided.reason,
-                desired=desired,
-                velocity=velocities[0],
-                prediction=prediction,
-                prediction_error=mind.innovations.newest if mind is not None else 0.0,
-                margin=decided.margin,
-                filtered=filtered,
-                solve_time=decided.solve_time,
-                overruns=self._ticks.overruns,
-            ),
-            self._targets,
-        )
+        decided = self._decider.step(self._seq, now_ns)
+        payload = self._command(decided, now_ns)
+        self.report = self._report(decided, now_ns)
         if self.recorder is not None:
             self.recorder.tick(now_ns, packets, payload, self.report)
         for listener in self.listeners:
             listener(self.report)
 
-    def _decide(self, now_ns: int) -> "_Decided":
-        """What this tick shall command; raises whatever a kind raises."""
-        state, scene = self._perception.state, self._perception.scene
-        mind = self._know_the_robot()
-        steering = None
-        if state is not None and scene is not None and mind is not None:
-            self._targets.update(state, scene, driving=state.holder == self.session)
-            steering = checked_steering(self.device.read(View(state, scene, self._targets, now_ns)))
-        self._supervision.twins = self._perception.twins(now_ns)
-        decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
-        decided = _Decided(decision, decision.reason, steering.velocity if steering is not None else ZERO)
-        if state is None or scene is None or steering is None or mind is None:
-            return decided
-        prediction, margin = self._look_ahead(mind, state, now_ns)
-        reason, filtered, solve_time = decision.reason, None, 0.0
-        if decision.mode == "run":
-            started = self._stopwatch() if self._stopwatch else 0.0
-            ahead = Ahead(steering.velocity, prediction, margin, state, scene)
-            filtered, why = self._decide_plan(mind, ahead, now_ns)
-            solve_time = self._stopwatch() - started if self._stopwatch else 0.0
-            reason = why or reason
-            if self.driving_since_ns is None:
-                self.driving_since_ns = now_ns
-        reason = self._why_in_the_end(decision.mode, reason, state, mind.robot, now_ns)
-        return replace(
-            decided,
-            reason=reason,
-            prediction=prediction,
-            margin=margin,
-            filtered=filtered,
-            solve_time=solve_time,
-        )
-
-    def _stand(self) -> "_Decided":
-        """After a fault: the emergency stop that was asked for; else hold, if this session has control."""
-        state = self._perception.state
-        holds: CommandMode | None = "hold" if state is not None and state.holder == self.session else None
-        reason = f"fault: {self.fault}"
-        return _Decided(Decision("estop" if self._supervision.estop else holds, reason), reason, ZERO)
-
     def _take(self, packet: Packet) -> None:
         state = self._perception.take(packet)
         if state is not None:
             self.round_trip.received(state, packet.arrived_ns)
-            if state is self._perception.state and self._mind is not None:
-                self._mind.innovations.observe(state)
+            if state is self._perception.state:
+                self._decider.observe(state)
 
-    def _know_the_robot(self) -> "_Mind | None":
-        """What the newest description makes of prediction and filter; None before the first one."""
-        robot, mind = self._perception.description, self._mind
-        if robot is None:
+    def _command(self, decided: Decided, now_ns: int) -> bytes | None:
+        """Note and send what was decided; the bytes that left, None where nothing is sent."""
+        decision = decided.decision
+        if decision.mode is None:
             return None
-        if mind is None or not (robot is mind.robot or robot.same_robot(mind.robot)):
-            known = Known(self._history, self.session, self._period, robot.lag)
-            self._mind = mind = _Mind(
-                robot,
-                Innovations(known, self.scenario.margin.innovation_window),
-                self._prediction_law(known),
-                SafetyFilter(
-                    self.scenario.controller,
-                    self._controller,
-                    robot,
-                    trails=self._prediction_law.compensates_lag,
-                ),
-            )
-        return mind
+        velocities, turning = decided.velocities, decided.turning
+        if not decision.asking:
+            start = decided.prediction.start
+            self._history.add(self._seq, now_ns, self._period, velocities, start, turning)
+            self.round_trip.sent(self._seq, now_ns)
+        return self._send(now_ns, decision.mode, velocities, turning, decided.desired, decision.successor)
 
-    def _look_ahead(self, mind: "_Mind", state: RobotState, now_ns: int) -> tuple[Prediction, Margin]:
-        prediction = mind.predictor.predict(state, self._seq, now_ns, self.round_trip.mean)
-        given = MarginInput(
-            speed=norm(state.velocity),
-            rtt_mean=self.round_trip.mean,
-            rtt_std=self.round_trip.std,
-            innovation=mind.innovations.largest,
-            spread=prediction.spread,
+    def _report(self, decided: Decided, now_ns: int) -> ControlReport:
+        tick = Tick(
+            now_ns=now_ns,
+            seq=self._seq,
+            mode=decided.decision.mode or "hold",
+            reason=decided.reason,
+            desired=decided.desired,
+            sent=Twist(decided.velocities[0], *decided.turning[:1]),
+            prediction=decided.prediction,
+            prediction_error=decided.prediction_error,
+            margin=decided.margin,
+            filtered=decided.filtered,
+            solve_time=decided.solve_time,
+            overruns=self._ticks.overruns,
+            blocked=decided.blocked,
         )
-        return prediction, checked_margin(self._margin.evaluate(given))
-
-    def _why_in_the_end(
-        self, mode: CommandMode | None, reason: str, state: RobotState, robot: RobotDescription, now_ns: int
-    ) -> str:
-        """The reason, or the limit behind it; a robot that refuses all as stale answers with that alone."""
-        if self.round_trip.count == 0 and not self._refused_after and state.refused.get("stale"):
-            self._refused_after = self.round_trip.age(now_ns)
-        if mode == "run" or self._refused_after:
-            return self._beyond_limits(robot) or reason
-        return reason
-
-    def _beyond_limits(self, robot: RobotDescription) -> str:
-        """Which setting the round trip is too long for, and what would do; empty where there is none."""
-        resync_after = self.scenario.operator.resync_after if self._margin.resyncs else math.inf
-        rtt = self.round_trip.mean if self.round_trip.count else self._refused_after
-        return beyond_limits(rtt, resync_after, robot.max_age)
-
-    def _decide_plan(self, mind: "_Mind", ahead: Ahead, now_ns: int) -> tuple[Filtered | None, str]:
-        """The filtered plan, or None and why the robot shall stand."""
-        if self._margin.resyncs and self.round_trip.age(now_ns) > self.scenario.operator.resync_after:
-            # Rule 3: after silence nothing is known of what the robot did; stand until it answers.
-            mind.filter.stand_still()
-            return None, self._beyond_limits(mind.robot) or STALE_STATE
-        filtered = mind.filter.filter(ahead)
-        checked_plan(filtered.plan, self.scenario.controller.horizon)
-        return filtered, filtered.reason
-
-    def _velocities(self, filtered: Filtered | None) -> tuple[Vector3, ...]:
-        """The velocity and what follows: the controller's plan, or a held velocity where the law has none."""
-        n = self.scenario.controller.horizon
-        if filtered is None:
-            return (ZERO,) * n
-        if self._prediction_law.knows_plan:
-            return tuple((float(v[0]), float(v[1]), float(v[2])) for v in filtered.plan.tolist())
-        return (to_vector3(filtered.plan[0]),) * n
+        return self._writer.write(tick, self._decider.targets)
 
     def _send(
         self,
         now_ns: int,
         mode: CommandMode,
-        velocity: Vector3,
-        plan: tuple[Vector3, ...],
-        desired: Vector3,
+        velocities: tuple[Vector3, ...],
+        turning: tuple[Vector3, ...],
+        desired: Twist,
         successor: int = 0,
     ) -> bytes:
         command = VelocityCommand(
@@ -389,10 +251,13 @@ class OperatorNode:
             t_sent_ns=now_ns,
             echo=self._perception.newest_state.echo(now_ns),
             mode=mode,
-            velocity=velocity,
-            plan=plan,
+            velocity=velocities[0],
+            angular=turning[0] if turning else ZERO,
+            plan=velocities[1:],
+            plan_angular=turning[1:],
             plan_period_ns=self._ticks.period_ns,
-            desired=desired,
+            desired=desired.linear,
+            desired_angular=desired.angular,
             successor=successor,
         )
         payload = encode(command)

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 
-from farhand.common.messages.base import Vector3
+from farhand.common.geometry import Twist
 from farhand.common.messages.command import CommandMode
-from farhand.common.messages.report import ControlReport
+from farhand.common.messages.report import UPRIGHT, ControlReport
+from farhand.operator_side.blockage import Blocked
 from farhand.operator_side.margins.law import Margin
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.law import Prediction
@@ -21,24 +22,27 @@ class Tick:
     Attributes:
         now_ns: its beginning.
         reason: why the operator side commands zero, or empty.
-        velocity: what is sent (m/s).
+        desired: before filtering.
+        sent: what is sent.
         prediction_error: newest innovation (m).
         filtered: the filter's answer; None where it was not asked.
         solve_time: (s).
+        blocked: what stands in the way that is wanted.
     """
 
     now_ns: int
     seq: int
     mode: CommandMode
     reason: str
-    desired: Vector3
-    velocity: Vector3
+    desired: Twist
+    sent: Twist
     prediction: Prediction
     prediction_error: float
     margin: Margin
     filtered: Filtered | None
     solve_time: float
     overruns: int
+    blocked: Blocked
 
 
 class ReportWriter:
@@ -63,8 +67,15 @@ class ReportWriter:
         lag_part = filtered.lag_part if filtered is not None else 0.0
         state_age = (now_ns - self._perception.newest_state.arrived_ns) * 1e-9 if seen else 0.0
         attempt = Attempt(
-            now_ns, tick.mode, tick.reason, tick.desired, tick.velocity, filtered.binding if filtered else ""
+            now_ns,
+            tick.mode,
+            tick.reason,
+            tick.desired.linear,
+            tick.sent.linear,
+            tick.blocked.obstacle or (filtered.binding if filtered else ""),
+            tick.blocked.side,
         )
+        orientation = state.orientation if state else UPRIGHT
         held_by = self._standstill.step(attempt, state, round(state_age * 1e9))
         return ControlReport(
             source=self._operator,
@@ -73,11 +84,15 @@ class ReportWriter:
             t_sent_ns=now_ns,
             tick=self._tick,
             mode=tick.mode,
-            desired=tick.desired,
-            filtered=tick.velocity,
+            desired=tick.desired.linear,
+            filtered=tick.sent.linear,
+            desired_angular=tick.desired.angular,
+            angular=tick.sent.angular,
             intervening=filtered is not None and (bool(filtered.binding) or bool(filtered.reason)),
             position=state.position if state else (0.0, 0.0, 0.0),
+            orientation=orientation,
             predicted=tick.prediction.start,
+            predicted_orientation=tick.prediction.orientation or orientation,
             prediction_error=tick.prediction_error,
             sigma=margin.sigma,
             inflation=margin.inflation + lag_part,
@@ -105,4 +120,6 @@ class ReportWriter:
             states=self._perception.states,
             overruns=tick.overruns,
             held_by=held_by[:512],
+            blocked_by=tick.blocked.obstacle,
+            free_side=tick.blocked.side,
         )

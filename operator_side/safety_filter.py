@@ -1,6 +1,6 @@
 """From a desired velocity to a safe plan: margin and obstacles into the controller, its answer checked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,6 +76,7 @@ class SafetyFilter:
         self._keep = robot.radius + settings.d_min
         self._controller = controller
         self._obstacles: SeenObstacles | None = None
+        self._posed: ControlProblem | None = None
 
     def filter(self, ahead: Ahead) -> Filtered:
         """The plan for a desired velocity.
@@ -107,6 +108,7 @@ class SafetyFilter:
             sigmas=np.full(len(radii), margin.sigma),
             normals=obstacles.normals,
         )
+        self._posed = problem
         # A margin may have grown over the robot: then the way out is solved for, and checked as strictly.
         solution = self._controller.solve(eased(problem, self._settings) or problem)
         plan, reason = safe_plan(problem, solution, self._settings)
@@ -119,6 +121,14 @@ class SafetyFilter:
             lag_part = float(parts[np.argmin(gaps - radii[:spheres])])
             trail.learn(desired, plan[0], float(np.max(parts)))
         return Filtered(plan, solution, binding, reason, lag_part)
+
+    def problem_from(self, start: Vector3) -> ControlProblem | None:
+        """The newest problem a period later, from `start` (m), for those who only look; None before the first."""
+        posed = self._posed
+        if posed is None:
+            return None
+        moved = posed.centres + self._settings.period * posed.velocities
+        return replace(posed, position=np.array(start), centres=moved)
 
     def stand_still(self) -> Array:
         """A plan of zeros; the warm start is forgotten."""

@@ -25,6 +25,7 @@ class Attempt:
         mode, reason: of the command; why it is zero, or empty.
         desired, sent: velocity before and after the filter (m/s).
         binding: id of the obstacle that binds, or empty.
+        free_side: on which side the way round it is free; empty: on none, or nobody knows.
     """
 
     now_ns: int
@@ -33,6 +34,12 @@ class Attempt:
     desired: Vector3
     sent: Vector3
     binding: str
+    free_side: str = ""
+
+
+def side_words(side: str) -> str:
+    """`to the left`, `above`: a side of who looks along the way that is wanted."""
+    return f"to the {side}" if side in ("left", "right") else side
 
 
 class Standstill:
@@ -86,7 +93,10 @@ class Standstill:
         if state.held_by:
             return f"the robot: {state.held_by}"
         if self._bound:
-            return f"obstacle {self._bound!r}"
+            side = self._past[-1][0].free_side
+            return f"obstacle {self._bound!r}" + (
+                f"; the way round is free {side_words(side)}" if side else ""
+            )
         reason = next((a.reason for a, _ in reversed(self._past) if a.reason), "")
         if reason:
             return reason

@@ -125,7 +125,7 @@ class Supervision:
     """
 
     def __init__(self, session: int, name: str) -> None:
-        self._session, self._name = session, name
+        self.session, self._name = session, name
         self._waited_for = ""
         self._asked_ns: int | None = None
         self.successor = 0
@@ -149,7 +149,7 @@ class Supervision:
             return Decision("estop", ESTOP_ASKED)
         if self.clearing is not None and steering is not None:
             steering = replace(steering, acknowledge=True)
-        me = Seat(self._session, self._name, self._waited_for, self.successor)
+        me = Seat(self.session, self._name, self._waited_for, self.successor)
         decision = decide(state, lacking, steering, me)
         if state is not None and self.twins and decision.mode not in (None, "estop"):
             return Decision("hold", _TWINS.format(state.source))
@@ -162,11 +162,11 @@ class Supervision:
 
     def _look(self, state: RobotState) -> None:
         """Note whom this session waits for, and whether a handover or an acknowledgement is over."""
-        if state.holder == self._session:
+        if state.holder == self.session:
             self._waited_for = ""
         elif state.holder and state.holder_name != self._name:
             self._waited_for = holder_name(state)
-        if state.holder != self._session or self.successor not in dict(state.waiting):
+        if state.holder != self.session or self.successor not in dict(state.waiting):
             self.successor = 0
-        if state.holder != self._session or (state.mode, state.stops) != self.clearing:
+        if state.holder != self.session or (state.mode, state.stops) != self.clearing:
             self.clearing = None

@@ -5,8 +5,21 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from farhand.common.messages.base import Message, Name, Real, SafetyMode, Stamp, Text, Vector3
+from farhand.common.messages.base import (
+    ZERO,
+    Message,
+    Name,
+    NameOrNone,
+    Quaternion,
+    Real,
+    SafetyMode,
+    Stamp,
+    Text,
+    Vector3,
+)
 from farhand.common.messages.command import CommandMode
+
+UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 class ControlReport(Message, frozen=True, kw_only=True):
@@ -16,10 +29,12 @@ class ControlReport(Message, frozen=True, kw_only=True):
         tick: counts the ticks.
         mode: mode of the command sent.
         desired, filtered: velocity before and after the filter (m/s).
+        desired_angular, angular: angular velocity before and after its limits (rad/s).
         intervening: whether the filter has a hand in the command: something binds, or a reason stands. This is
             what a run's interventions count.
-        position: tool position last reported (m).
+        position, orientation: of the tool, as last reported (m).
         predicted: start state that the controller used (m).
+        predicted_orientation: of the tool there, by the same commands.
         prediction_error: newest innovation (m).
         sigma: the paper's margin added to the barrier (m).
         inflation: radius inflation of the nearest obstacle: the law's, and what the lag adds to it (m).
@@ -43,15 +58,22 @@ class ControlReport(Message, frozen=True, kw_only=True):
         overruns: late control ticks.
         connected: whether the operator's program is connected to anything on the robot's side.
         held_by: what holds a robot that has made no progress for 3 s; empty while it makes some.
+        blocked_by: the obstacle that stands in the way that is wanted, for more than 0.6 s; empty: none does.
+        free_side: the side on which the way round it is free: `left`, `right`, `above` or `below` of who looks along
+            the way that is wanted; empty: none is, or nothing is in the way.
     """
 
     tick: Stamp
     mode: CommandMode
     desired: Vector3
     filtered: Vector3
+    desired_angular: Vector3 = ZERO
+    angular: Vector3 = ZERO
     intervening: bool
     position: Vector3
+    orientation: Quaternion = UPRIGHT
     predicted: Vector3
+    predicted_orientation: Quaternion = UPRIGHT
     prediction_error: Real
     sigma: Real
     inflation: Real
@@ -80,3 +102,5 @@ class ControlReport(Message, frozen=True, kw_only=True):
     overruns: Stamp
     connected: bool = True
     held_by: Text = ""
+    blocked_by: NameOrNone = ""
+    free_side: NameOrNone = ""

@@ -66,6 +66,7 @@ class RecordedSteering(SteeringDevice):
             acknowledge=mode == "acknowledge",
             estop=mode == "estop" and report.stop_reason != ESTOP_ASKED,
             says=report.stop_reason.removeprefix(robot) if report.stop_reason.startswith(robot) else "",
+            angular=self.report.desired_angular,
         )
 
 

@@ -212,6 +212,11 @@ def _check_sense(scenario: Scenario, where: str) -> None:
             f"scenario {where}: controller.speed_limit: {fastest:g} m/s is above safety.max_speed, "
             f"{safety.max_speed:g} m/s, beyond which the robot refuses commands"
         )
+    if scenario.controller.angular_limit > safety.max_angular_speed:
+        raise ScenarioError(
+            f"scenario {where}: controller.angular_limit: {scenario.controller.angular_limit:g} rad/s is above "
+            f"safety.max_angular_speed, {safety.max_angular_speed:g} rad/s, beyond which the robot refuses commands"
+        )
     if safety.stop_timeout < safety.command_timeout:
         raise ScenarioError(
             f"scenario {where}: safety.stop_timeout: {safety.stop_timeout} s is shorter than "

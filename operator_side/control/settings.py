@@ -21,6 +21,7 @@ class ControllerSettings(KindSection, frozen=True, kw_only=True):
         gamma: decay rate of the discrete barrier, in (0, 1].
         d_min: distance to keep (m).
         speed_limit: u_b for each axis (m/s).
+        angular_limit: the tool is turned at most this fast, about whatever axis (rad/s).
         max_iterations: cap on solver iterations.
         wall_time_limit: for solvers that may run away (s).
     """
@@ -37,5 +38,6 @@ class ControllerSettings(KindSection, frozen=True, kw_only=True):
     gamma: Fraction = 0.5
     d_min: NonNegative = 0.01
     speed_limit: tuple[Positive, Positive, Positive] = (0.3, 0.3, 0.3)
+    angular_limit: NonNegative = 1.0
     max_iterations: Annotated[int, Meta(ge=1, le=10_000)] = 30
     wall_time_limit: Positive = 0.08

@@ -24,6 +24,7 @@ class SentCommand:
         velocities: the velocity and the plan after it (m/s).
         travelled: displacement after 0, 1, 2, ... whole periods (m).
         predicted: start state that the controller assumed (m).
+        angular: the angular velocity and the plan after it (rad/s); what it does not say is zero.
     """
 
     seq: int
@@ -32,10 +33,15 @@ class SentCommand:
     velocities: tuple[Vector3, ...]
     travelled: tuple[Vector3, ...]
     predicted: Vector3
+    angular: tuple[Vector3, ...] = ()
 
     def velocity(self, entry: int) -> Vector3:
         """Velocity in the given period since it took effect; zero when the plan is exhausted."""
         return self.velocities[entry] if entry < len(self.velocities) else ZERO
+
+    def turning(self, entry: int) -> Vector3:
+        """Angular velocity in the given period since it took effect; it ends with the plan."""
+        return self.angular[entry] if entry < min(len(self.angular), len(self.velocities)) else ZERO
 
     def displacement(self, duration: float) -> Vector3:
         """How far the robot has gone `duration` s after the command took effect (m)."""
@@ -61,14 +67,17 @@ class CommandHistory:
         period: float,
         velocities: tuple[Vector3, ...],
         predicted: Vector3,
+        angular: tuple[Vector3, ...] = (),
     ) -> None:
-        """Note a command that leaves."""
+        """Note a command that leaves; see SentCommand."""
         x = y = z = 0.0
         travelled = [ZERO]
         for u, v, w in velocities:
             x, y, z = x + u * period, y + v * period, z + w * period
             travelled.append((x, y, z))
-        self._commands[seq] = SentCommand(seq, t_sent_ns, period, velocities, tuple(travelled), predicted)
+        self._commands[seq] = SentCommand(
+            seq, t_sent_ns, period, velocities, tuple(travelled), predicted, angular
+        )
         if len(self._commands) > KEPT:
             self._commands.popitem(last=False)
 

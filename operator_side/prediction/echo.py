@@ -1,7 +1,7 @@
 """The commands after the one that the robot says it applies, each for one period: no clock, no average."""
 
 from farhand.common.messages.state import RobotState
-from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved
+from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved, turning_for
 
 
 class EchoPrediction(StatePredictor):
@@ -13,16 +13,19 @@ class EchoPrediction(StatePredictor):
     def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
         """See StatePredictor."""
         known = self.known
-        start = known.compensated(state)
+        start, orientation = known.compensated(state), known.turned_on(state)
         applied = known.applied(state)
         if applied is None:
-            return Prediction(start)
+            return Prediction(start, orientation=orientation)
         period, held = known.period, state.applied_for_ns * 1e-9
         rest, body = max(0.0, period - held), state.velocity
         start, body = moved(start, applied.velocity(0), rest), known.followed(body, applied.velocity(0), rest)
+        orientation = turning_for(orientation, applied.turning(0), rest)
         for k in range(applied.seq + 1, seq):
             command = known.history.get(k)
             if command is not None:
                 velocity = command.velocity(0)
                 start, body = moved(start, velocity, period), known.followed(body, velocity, period)
-        return Prediction(start, max(0.0, (seq - applied.seq) * period - held), velocity=body)
+                orientation = turning_for(orientation, command.turning(0), period)
+        look = max(0.0, (seq - applied.seq) * period - held)
+        return Prediction(start, look, velocity=body, orientation=orientation)

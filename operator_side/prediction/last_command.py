@@ -1,7 +1,7 @@
 """The last command, held for one mean round trip."""
 
 from farhand.common.messages.state import RobotState
-from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved
+from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved, turning_for
 
 
 class LastCommand(StatePredictor):
@@ -12,4 +12,9 @@ class LastCommand(StatePredictor):
         commands = self.known.history.newest_first()
         if not commands:
             return Prediction(state.position)
-        return Prediction(moved(state.position, commands[0].velocity(0), rtt_mean), rtt_mean)
+        last = commands[0]
+        return Prediction(
+            moved(state.position, last.velocity(0), rtt_mean),
+            rtt_mean,
+            orientation=turning_for(state.orientation, last.turning(0), rtt_mean),
+        )

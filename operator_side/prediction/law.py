@@ -9,7 +9,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from farhand.common.messages.base import Vector3
+from farhand.common.geometry import turned
+from farhand.common.messages.base import ZERO, Quaternion, Vector3
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.prediction.command_history import CommandHistory, SentCommand
 
@@ -21,12 +22,15 @@ class Prediction:
     look: time from the state's sample to the instant at which the new command takes effect (s).
     spread: largest distance between `start` and where the robot may be if commands were lost (m).
     velocity: of the body there (m/s), where the law knows; None: as last reported.
+    orientation: of the tool there (w, x, y, z), where the law knows; None: as last reported. For people, who see the
+        tool where it will be: nothing is decided by it.
     """
 
     start: Vector3
     look: float = 0.0
     spread: float = 0.0
     velocity: Vector3 | None = None
+    orientation: Quaternion | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +58,10 @@ class Known:
         dz/dt = u exactly."""
         (x, y, z), (u, v, w), lag = state.position, state.velocity, self.lag
         return (x + lag * u, y + lag * v, z + lag * w)
+
+    def turned_on(self, state: RobotState) -> Quaternion:
+        """The orientation after lag * w, as z is for the position: from there on it turns as commanded."""
+        return turning_for(state.orientation, state.angular_velocity, self.lag)
 
     def followed(self, body: Vector3, velocity: Vector3, duration: float) -> Vector3:
         """The body's velocity after `duration` s at a commanded velocity, which it follows with its lag (m/s)."""
@@ -91,6 +99,14 @@ class StatePredictor(ABC):
             now_ns: beginning of the tick.
             rtt_mean: mean round trip over the window (s).
         """
+
+
+def turning_for(orientation: Quaternion, angular: Vector3, duration: float) -> Quaternion:
+    """An orientation after `duration` s at an angular velocity (rad/s, base)."""
+    if angular == ZERO:
+        return orientation
+    x, y, z = angular
+    return turned(orientation, (x * duration, y * duration, z * duration))
 
 
 def moved(position: Vector3, velocity: Vector3, duration: float) -> Vector3:

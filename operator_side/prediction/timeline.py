@@ -3,7 +3,7 @@
 import math
 
 from farhand.common.messages.state import RobotState
-from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved, shifted
+from farhand.operator_side.prediction.law import Prediction, StatePredictor, moved, shifted, turning_for
 
 
 class Timeline(StatePredictor):
@@ -20,15 +20,15 @@ class Timeline(StatePredictor):
     def predict(self, state: RobotState, seq: int, now_ns: int, rtt_mean: float) -> Prediction:
         """See StatePredictor."""
         known = self.known
-        z = known.compensated(state)
+        z, orientation = known.compensated(state), known.turned_on(state)
         applied = known.applied(state)
         if applied is None:
-            return Prediction(z)
+            return Prediction(z, orientation=orientation)
         period, held = known.period, state.applied_for_ns * 1e-9
         under_way, last = int(held / period), seq - applied.seq
         look = last * period - held
         if look <= 0.0:
-            return Prediction(z)
+            return Prediction(z, orientation=orientation)
         travelled, base = applied.displacement(last * period), applied.displacement(held)
         branches = [shifted(z, travelled, base)]
         playing, body = applied, state.velocity
@@ -38,7 +38,9 @@ class Timeline(StatePredictor):
                 playing = command
                 branches.append(shifted(z, command.displacement((last - j) * period)))
             duration = period if j > under_way else (under_way + 1) * period - held
-            velocity = playing.velocity(j - (playing.seq - applied.seq))
+            entry = j - (playing.seq - applied.seq)
+            velocity = playing.velocity(entry)
             z, body = moved(z, velocity, duration), known.followed(body, velocity, duration)
+            orientation = turning_for(orientation, playing.turning(entry), duration)
         spread = max(math.dist(branch, z) for branch in branches)
-        return Prediction(z, look, spread, body)
+        return Prediction(z, look, spread, body, orientation)

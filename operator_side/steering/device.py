@@ -8,6 +8,7 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.scenario.section import NoSettings, Section
+from farhand.operator_side.steering.sides import Free, everything_is_free
 from farhand.operator_side.steering.targets import Targets
 
 
@@ -17,6 +18,7 @@ class SteeringInput:
 
     Attributes:
         velocity: desired tool velocity, base frame (m/s).
+        angular: desired angular velocity of the tool, about base's axes (rad/s); zero holds its orientation.
         engaged: motion is allowed only while this holds.
         acknowledge: the operator has seen the robot's stop and clears it.
         estop: the operator wants the robot stopped for good.
@@ -28,6 +30,7 @@ class SteeringInput:
     acknowledge: bool = False
     estop: bool = False
     says: str = ""
+    angular: Vector3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +42,14 @@ class View:
         scene: what is around it.
         targets: progress of the task, `targets.next` the one to reach now.
         now_ns: beginning of the tick.
+        free: of several velocities (m/s), which the filter would let pass nearly as they are: `free([velocity])[0]`.
     """
 
     state: RobotState
     scene: Scene
     targets: Targets
     now_ns: int
+    free: Free = everything_is_free
 
 
 class SteeringDevice(ABC):

@@ -12,6 +12,7 @@ normal from mesh to segment).
 import math
 
 import numpy as np
+
 from farhand.robot_side.kernel.jit import compiled
 
 GJK_ROUNDS = 64

@@ -18,9 +18,9 @@ Obstacles are the rows of a `Surroundings` table; the columns are named below.
 import math
 
 import numpy as np
-from farhand.robot_side.kernel.jit import compiled
 
 from farhand.robot_side.kernel.convex import segment_mesh
+from farhand.robot_side.kernel.jit import compiled
 
 SPHERE, CAPSULE, BOX, PLANE, MESH = range(5)
 KIND, POSITION, ROTATION, SIZE, VELOCITY, ACCELERATION, BOUNDING = 0, 1, 4, 13, 16, 19, 20
@@ -256,7 +256,7 @@ def distance_floor(a, b, radius, row):
 
 @compiled
 def capsule_capsule(a, b, radius, c, e, other):
-    """(distance, t, s, nx, ny, nz) of two capsules; t, s: the witnesses on the first and second, n towards the first."""
+    """(distance, t, s, nx, ny, nz) of two capsules; t, s: witnesses on the first and second, n towards the first."""
     d, t, nx, ny, nz, s = segment_segment(a, b, c[0], c[1], c[2], e[0], e[1], e[2])
     return d - radius - other, t, s, nx, ny, nz
 

@@ -35,9 +35,8 @@ Arrays:
 import math
 
 import numpy as np
-from farhand.robot_side.kernel.chain import place, turn
-from farhand.robot_side.kernel.jit import compiled
 
+from farhand.robot_side.kernel.chain import place, turn
 from farhand.robot_side.kernel.distance import (
     ACCELERATION,
     NOTHING,
@@ -46,6 +45,7 @@ from farhand.robot_side.kernel.distance import (
     capsule_row,
     distance_floor,
 )
+from farhand.robot_side.kernel.jit import compiled
 
 # par: distance that rows keep, distance that the check keeps (m), period, reaction (s), gain (1/s), greatest braking
 # along a normal (m/s^2), share of the joints' acceleration that rows and the check count on, push outwards (m/s),

@@ -9,8 +9,8 @@ helps, as it is convex. Where the acceleration a is bounded and w = |v - v_o| is
 becomes (w^2 + a^2 T^2) / (2 a w), which is stopping distance over speed. What stands is never fled from: u = 0
 keeps all its rows, so that the answer of min |u - u_c|^2 is no faster than u_c.
 
-Then the straight way until it stands, after one period under u with the longest and the shortest lag, must stay clear of
-all that stands; else 3/4, 1/2, 1/4 of u, then zero.
+Then the straight way until it stands, after one period under u with the longest and the shortest lag, must stay clear
+of all that stands; else 3/4, 1/2, 1/4 of u, then zero.
 
 Arrays: x, v, u_c, u: (3,) m, m/s. rows, vertices: the table of obstacles. par: the constants named below.
 """
@@ -21,10 +21,10 @@ Arrays: x, v, u_c, u: (3,) m, m/s. rows, vertices: the table of obstacles. par: 
 import math
 
 import numpy as np
-from farhand.robot_side.kernel.jit import compiled
-from farhand.robot_side.kernel.qp import SOLVED, solve, yielding
 
 from farhand.robot_side.kernel.distance import ACCELERATION, NOTHING, VELOCITY, capsule_row, distance_floor
+from farhand.robot_side.kernel.jit import compiled
+from farhand.robot_side.kernel.qp import SOLVED, solve, yielding
 
 # par: radius of the sphere, distances that rows and check keep (m), period, shortest and longest lag (s), bound of the
 # acceleration (m/s^2; 0: none), kappa (1/s), fastest answer in any axis (m/s)

@@ -120,7 +120,7 @@ def test_a_margin_that_would_shrink_obstacles_or_cannot_be_told_is_refused(margi
     with pytest.raises(FarhandError, match="the margin law gave"):
         checked_margin(margin)
     monkeypatch.setattr(Wild, "given", margin)
-    monkeypatch.setattr("farhand.operator_side.operator_node.make_margin", lambda settings: Wild(None))
+    monkeypatch.setattr("farhand.operator_side.deciding.make_margin", lambda settings: Wild(None))
     commands, node = drive()
     assert not any(any(command.velocity) for command in commands)
     assert said in node.report.stop_reason

@@ -11,7 +11,8 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.scene import Obstacle
 from farhand.operator_side.control.controller import Status
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.operator_node import STALE_STATE, OperatorIdentity, OperatorNode
+from farhand.operator_side.deciding import STALE_STATE
+from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.steering.device import SteeringInput
 from farhand.runs.scenario import load_scenario, replace_setting
 from farhand.testing import (

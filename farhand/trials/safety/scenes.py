@@ -1,6 +1,7 @@
 """Random scenes of every shape, standing and shuttling, around a place where a robot starts."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.random import Generator
@@ -108,7 +109,7 @@ def sampled(obstacle: Obstacle, spacing: float = 0.02) -> list[Obstacle]:
         return [obstacle]
     corners = [np.array(point) for point in obstacle.path]
     places = []
-    for start, end in zip(corners, corners[1:], strict=False):
+    for start, end in pairwise(corners):
         steps = max(2, int(np.linalg.norm(end - start) / spacing) + 1)
         places += [start + share * (end - start) for share in np.linspace(0.0, 1.0, steps)]
     return [
