@@ -51,6 +51,7 @@ class Obstacle(Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=Tr
     phase: NonNegative = 0.0
 
     def __post_init__(self) -> None:
+        self._settle_defaults()
         self._settle_shape()
         if not abs(sum(q * q for q in self.orientation) - 1.0) < 2 * _NORM_TOLERANCE:
             raise ValueError("orientation: must be a unit quaternion (w, x, y, z)")
@@ -65,6 +66,13 @@ class Obstacle(Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=Tr
     def moves(self) -> bool:
         """Whether it ever leaves its place."""
         return bool(self.path) or any(self.velocity)
+
+    def _settle_defaults(self) -> None:
+        """What equals its default becomes it: only the very object is left out of the bytes, which must be the same
+        of an obstacle that was written, copied or came from another process."""
+        for name, default in _DEFAULTS:
+            if getattr(self, name) == default:
+                msgspec.structs.force_setattr(self, name, default)
 
     def _settle_shape(self) -> None:
         if self.radius is not msgspec.UNSET:
@@ -88,6 +96,13 @@ class Obstacle(Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=Tr
     def shuttle(self) -> Shuttle:
         """Its motion along its path; raises ValueError where that is none."""
         return shuttle(self.path, self.speed, self.acceleration)
+
+
+_DEFAULTS = tuple(
+    (field.name, field.default)
+    for field in msgspec.structs.fields(Obstacle)
+    if field.default is not msgspec.NODEFAULT and field.default is not msgspec.UNSET
+)
 
 
 def moved(obstacle: Obstacle, seconds: float) -> Obstacle:
