@@ -94,7 +94,8 @@ class SafetyFilter:
         radii = self._radii + margin.inflation
         desired, kept, trail = np.array(ahead.desired), radii, self._trail if len(radii) else None
         if trail is not None:
-            gaps = np.linalg.norm(position - centres, axis=1)
+            away = position - centres
+            gaps = np.sqrt(np.add.reduce(away * away, axis=1))
             desired = trail.desired(desired, radii, gaps, self._speeds)
             kept = trail.radii(radii, desired, norm(ahead.state.velocity), self._speeds)
         problem = ControlProblem(
@@ -127,9 +128,8 @@ class SafetyFilter:
     ) -> tuple[Array, str]:
         """The plan as far as the body that trails behind it stays clear, and why it is not all of it."""
         velocity = ahead.prediction.velocity or ahead.state.velocity
-        reach = np.sqrt(radii**2 + problem.sigmas)
         motion = (np.array(velocity), self._lag, self._settings.period)
-        steps = clear_steps(problem, reach, plan, motion)
+        steps = clear_steps(problem, radii, plan, motion)
         if steps == len(plan):
             return plan, reason
         plan = plan.copy()
