@@ -55,6 +55,13 @@ class Compiler:
         finally:
             settings["CACHE_DIR"] = before
 
+    def where_possible(self, function: Callable[..., Any]) -> Any:
+        """The same, but the plain function where numba is missing."""
+        try:
+            return self(function)
+        except ImportError:
+            return function
+
 
 def _files(source: Path) -> list[Path]:
     return sorted(source.glob("*.py")) if source.is_dir() else [source]

@@ -94,7 +94,8 @@ class SafetyFilter:
         spheres = obstacles.spheres
         desired, kept, trail = np.array(ahead.desired), radii, self._trail if spheres else None
         if trail is not None:
-            gaps = np.linalg.norm(position - seen.centres[:spheres], axis=1)
+            away = position - seen.centres[:spheres]
+            gaps = np.sqrt(np.add.reduce(away * away, axis=1))
             speeds = seen.speeds[:spheres]
             desired = trail.desired(desired, radii[:spheres], gaps, speeds)
             grown = trail.radii(radii[:spheres], desired, norm(ahead.state.velocity), speeds)
@@ -140,9 +141,8 @@ class SafetyFilter:
     ) -> tuple[Array, str]:
         """The plan as far as the body that trails behind it stays clear, and why it is not all of it."""
         velocity = ahead.prediction.velocity or ahead.state.velocity
-        reach = np.sqrt(radii**2 + problem.sigmas)
         motion = (np.array(velocity), self._lag, self._settings.period)
-        steps = clear_steps(problem, reach, plan, motion)
+        steps = clear_steps(problem, radii, plan, motion)
         if steps == len(plan):
             return plan, reason
         plan = plan.copy()

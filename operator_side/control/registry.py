@@ -47,8 +47,11 @@ def make_controller(settings: ControllerSettings) -> "Controller":
 
 
 def prepare(controller: "Controller") -> None:
-    """Compile and warm up a controller; raises InputError where it cannot."""
+    """Compile and warm up a controller and the check behind it; raises InputError where it cannot."""
+    from farhand.operator_side.control.checks import body
+
     made(f"controller {type(controller).__name__}", controller.prepare)
+    body.prepare()
 
 
 def make_mpc(settings: ControllerSettings) -> "Controller":

@@ -3,7 +3,7 @@
 import sys
 
 from farhand.common.timing.clock import processor_seconds
-from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.control.registry import make_controller, prepare
 from farhand.operator_side.control.settings import ControllerSettings
 
 
@@ -12,7 +12,7 @@ def main() -> int:
     print("compiling the controller (some 20 s when the cache is empty) ...", end=" ", flush=True)
     start = processor_seconds()
     controller = make_controller(ControllerSettings())
-    controller.prepare()
+    prepare(controller)
     print(f"done in {processor_seconds() - start:.1f} s")
     if controller.solver_notice:
         print(controller.solver_notice)

@@ -41,9 +41,14 @@ class Trail:
             gaps: (n,) from the obstacles' centres to z (m).
             speeds: (n,) of the obstacles (m/s).
         """
+        speed = norm(wanted)
+        room = np.minimum.reduce(gaps - radii - self._lag * speeds, initial=np.inf)
+        if (
+            self._pace == 1.0 and room >= self._lag * speed
+        ):  # a trail as long as gap - radius fits in any case
+            return wanted
         fitting_gaps = np.maximum(gaps, radii + WORTH_SLOWING)
         fitting = float(np.min(trails_that_fit(radii, fitting_gaps) / self._lag - speeds, initial=np.inf))
-        speed = norm(wanted)
         most = max(self._slowest, min(fitting, self._pace * speed))
         return wanted * (most / speed) if speed > most else wanted
 

@@ -3,8 +3,8 @@
     python -m farhand.trials.safety.lag --tasks 1000
 
 Each task is one of Table I's (farhand/laboratory/campaigns/tasks.py) with a lag and a speed of its own, drawn from
-the ranges asked for. Prints, for each network, how many came below d_min, the least clearance and how many finished;
-exit code 1 if any came below.
+the ranges asked for. Prints, for each network, how many came below d_min with the share's exact 95 % interval, the
+least clearance and how many finished; exit code 1 if any came below.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import msgspec
 from farhand.common.seeds import stream
 from farhand.laboratory.campaigns.jobs import Job, Row, run_job
 from farhand.laboratory.campaigns.pools import LocalPool
+from farhand.laboratory.campaigns.statistics import clopper_pearson
 from farhand.laboratory.campaigns.tasks import BoxKind, make_task
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings
@@ -89,9 +90,11 @@ def _tell(network: str, rows: list[Row]) -> int:
     nearest = min((row.min_clearance for row in rows if row.min_clearance is not None), default=float("nan"))
     finished = sum(row.finished for row in rows)
     duration = sum(row.duration or 0.0 for row in rows)
+    fewest, most = clopper_pearson(len(low), len(rows))
     print(
-        f"{network}: {len(low)} of {len(rows)} below d_min, least {1e3 * nearest:.1f} mm, "
-        f"{finished} finished, {duration:.1f} s in all, {sum(row.stops for row in rows)} stops",
+        f"{network}: {len(low)} of {len(rows)} below d_min ({100 * fewest:.2f} to {100 * most:.2f} %), "
+        f"least {1e3 * nearest:.1f} mm, {finished} finished, {duration:.1f} s in all, "
+        f"{sum(row.stops for row in rows)} stops",
         flush=True,
     )
     for row in sorted(low, key=lambda row: row.min_clearance or 0.0):

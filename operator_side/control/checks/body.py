@@ -7,15 +7,21 @@ but for what the barrier's samples leave open anyway: a straight step of length 
 h = -s^2 / 4. That much is let pass; else a robot that stands on a margin could not go along it.
 """
 
-import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.operator_side.control import barrier as rows
 from farhand.operator_side.control.controller import ControlProblem
 
-NEAR = 1e-5  # m
+
+def prepare() -> None:
+    """Compile, or load from the cache; called before anything is connected."""
+    nothing, none = np.zeros((0, 3)), np.zeros(0)
+    still = ControlProblem(np.zeros(3), np.zeros(3), nothing, none, nothing, none)
+    clear_steps(still, none, np.zeros((1, 3)), (np.zeros(3), 1.0, 1.0))
 
 
 def clear_steps(
@@ -25,37 +31,28 @@ def clear_steps(
 
     Args:
         problem: the tick's problem; its position is z.
-        radii: (n,) that the body must keep (m).
+        radii: (n,) in place of the problem's, that the body must keep (m).
         plan: (N, 3), m/s.
         motion: (3,) velocity of the body at the plan's beginning (m/s), its lag, length of a step (s).
+
+    Raises ValueError for a plan of another shape.
     """
     velocity, lag, dt = motion
-    kept, n = math.exp(-dt / lag), len(plan)
-    velocities = np.empty((n + 1, 3))  # of the body, at the beginning of each step and at the end
-    velocities[0] = velocity
-    for i in range(n):
-        velocities[i + 1] = kept * velocities[i] + (1.0 - kept) * plan[i]
-    along = rows.path(problem, plan, dt)
-    after = np.arange(1, n + 1)[:, None] * dt
-    centres = problem.centres[:, None] + after * problem.velocities[:, None]
-    gaps = _gaps(along[1:] - centres, lag * (velocities[1:] - problem.velocities[:, None]))
-    standing = _gaps(along[:-1] - centres, lag * (kept * velocities[:-1] - problem.velocities[:, None]))
-    speeds = np.sqrt(np.einsum("ik,ik->i", plan, plan))
-    step = dt * (np.maximum(speeds, np.linalg.norm(velocities[:-1], axis=1)) + _speeds(problem)[:, None])
-    kept_clear = np.sqrt(np.maximum(radii[:, None] ** 2 - 0.25 * step**2, 0.0))
-    fine = np.all(gaps >= np.minimum(kept_clear, standing) - NEAR, axis=0)
-    return n if fine.all() else int(np.argmin(fine))
+    if plan.ndim != 2 or plan.shape[1] != 3:
+        raise ValueError(f"a plan is (N, 3), not {plan.shape}")
+    obstacles = (_own(problem.centres), _own(problem.velocities), _own(radii), _own(problem.sigmas))
+    arguments = _own(problem.position), _own(velocity), _own(plan), obstacles, (float(lag), float(dt))
+    return int(_kernel()(*arguments))
 
 
-def _speeds(problem: ControlProblem) -> Array:
-    speeds: Array = np.sqrt(np.einsum("jk,jk->j", problem.velocities, problem.velocities))
-    return speeds
+def _own(array: Array) -> Array:
+    """A copy of the one type that is compiled for, whatever a controller hands in: nothing compiles in a run."""
+    return np.array(array, dtype=np.float64, order="C")
 
 
-def _gaps(z: Array, trail: Array) -> Array:
-    """(n, N) distances of obstacles to segments: `z` (n, N, 3) from the obstacle, the body `trail` behind it (m)."""
-    square = np.einsum("jik,jik->ji", trail, trail)
-    share = np.einsum("jik,jik->ji", z, trail) / np.maximum(square, 1e-12)
-    nearest = z - np.clip(share, 0.0, 1.0)[:, :, None] * trail
-    gaps: Array = np.sqrt(np.einsum("jik,jik->ji", nearest, nearest))
-    return gaps
+@cache
+def _kernel() -> Callable[..., Any]:
+    """Numba is imported here, for programs that check nothing."""
+    from farhand.operator_side.control.checks import body_kernel
+
+    return body_kernel.clear_steps  # type: ignore[no-any-return]

@@ -1,0 +1,132 @@
+"""What the lag part and the check of the body add to the operator's tick, side by side in one run.
+
+`python -m benchmarks.operator_tick [--json FILE] [--tasks N]`. The point robot does some of Table I's tasks in virtual
+time. At every tick that is filtered, a second safety filter without the two gets the same input and is timed as well;
+each has a controller of its own. "Without" is the same tick with the second filter's time in place of the first's.
+"""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from farhand.common.messages.description import RobotDescription
+from farhand.common.timing.clock import processor_seconds
+from farhand.laboratory.campaigns.tasks import make_task
+from farhand.laboratory.simulation import simulate
+from farhand.operator_side import operator_node
+from farhand.operator_side.control.controller import Controller
+from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.control.settings import ControllerSettings
+from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
+
+NETWORKS = ("none", "uniform:50,200")
+WANTED = 1.2
+"""Of the tick with over the tick without, in the median."""
+TASKS = 12
+
+
+class Times:
+    """Seconds of every filtered tick: whole, its filter, and a filter without the parts."""
+
+    def __init__(self) -> None:
+        self.rows: list[tuple[float, float, float]] = []
+        self.of_filters = (0.0, 0.0)
+
+    def table(self) -> Any:
+        """(ticks, 3)."""
+        return np.array(self.rows)
+
+
+def measure(network: str, tasks: int) -> dict[str, float]:
+    """Medians, 99th percentiles (ms) and their ratios over all ticks of the tasks."""
+    times = Times()
+    whole = operator_node.OperatorNode.step
+
+    class Doubled(SafetyFilter):
+        """Filters, and times both: whichever comes first finds a colder cache, so they take turns."""
+
+        def __init__(
+            self, settings: ControllerSettings, controller: Controller, robot: RobotDescription, trails: bool
+        ) -> None:
+            super().__init__(settings, controller, robot, trails)
+            second = make_controller(settings)
+            second.prepare()
+            self._second = SafetyFilter(settings, second, robot, trails=False)
+            self._first_is_first = False
+
+        def filter(self, ahead: Ahead) -> Filtered:
+            self._first_is_first = not self._first_is_first
+            if not self._first_is_first:
+                without = self._timed_second(ahead)
+            began = processor_seconds()
+            filtered = super().filter(ahead)
+            own = processor_seconds() - began
+            if self._first_is_first:
+                without = self._timed_second(ahead)
+            times.of_filters = own, without
+            return filtered
+
+        def _timed_second(self, ahead: Ahead) -> float:
+            began = processor_seconds()
+            self._second.filter(ahead)
+            return processor_seconds() - began
+
+    def step(node: operator_node.OperatorNode, now_ns: int) -> int:
+        times.of_filters = 0.0, 0.0
+        began = processor_seconds()
+        next_ns = whole(node, now_ns)
+        spent = processor_seconds() - began
+        own, without = times.of_filters
+        if own:
+            times.rows.append((spent - without, own, without))
+        return next_ns
+
+    operator_node.SafetyFilter, operator_node.OperatorNode.step = Doubled, step  # type: ignore[misc,method-assign]
+    try:
+        for index in range(tasks):
+            simulate(make_task(1, index), network=network, seed=index, time_limit=300.0)
+    finally:
+        operator_node.SafetyFilter, operator_node.OperatorNode.step = SafetyFilter, whole  # type: ignore[misc,method-assign]
+    table = times.table()
+    tick, without = table[:, 0], table[:, 0] - table[:, 1] + table[:, 2]
+    found = {"ticks": float(len(table))}
+    for name, seconds in (
+        ("with", tick),
+        ("without", without),
+        ("filter", table[:, 1]),
+        ("filter_without", table[:, 2]),
+    ):
+        found[f"{name}_median"], found[f"{name}_p99"] = (
+            float(v) for v in np.percentile(seconds, (50, 99)) * 1e3
+        )
+    found["ratio_median"] = found["with_median"] / found["without_median"]
+    found["ratio_p99"] = found["with_p99"] / found["without_p99"]
+    return found
+
+
+def main() -> None:
+    """Run and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--json", type=Path, help="write the figures to this file as well")
+    parser.add_argument("--tasks", type=int, default=TASKS, help=f"of Table I, a network [{TASKS}]")
+    options = parser.parse_args()
+    measure("none", 1)  # imports and compiled code
+    result = {network: measure(network, options.tasks) for network in NETWORKS}
+    print(f"{'ms, median / p99':16}{'tick':>16}{'without':>16}{'ratio':>14}{'filter':>16}{'without':>16}")
+    for network, row in result.items():
+        cells = [
+            f"{row[f'{name}_median']:.3f} / {row[f'{name}_p99']:.3f}"
+            for name in ("with", "without", "filter", "filter_without")
+        ]
+        ratio = f"{row['ratio_median']:.2f} / {row['ratio_p99']:.2f}"
+        print(f"{network:16}{cells[0]:>16}{cells[1]:>16}{ratio:>14}{cells[2]:>16}{cells[3]:>16}")
+    print(f"wanted of the median's ratio: {WANTED:g} at most")
+    if options.json is not None:
+        options.json.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
