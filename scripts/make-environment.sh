@@ -63,7 +63,7 @@ fi
 extras=""
 [ "${1:-}" != tests ] || extras="[dev,dask,parquet]"
 what="1.2 GB"
-[ -z "$extras" ] || what="about 1.6 GB, with what tests and checks need"
+[ -z "$extras" ] || what="1.5 GB, with what tests and checks need"
 echo "farhand: installing the pinned dependencies into .venv ($what; one to three minutes the first time)"
 pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
 .venv/bin/python scripts/slim_environment.py .venv

@@ -39,7 +39,7 @@ def whole(table: Table, console: Console) -> RenderableType:
 
 
 def _fit(table: Table, console: Console) -> bool:
-    """Give every column a width for the longest of its words, and what is left to those that want more."""
+    """Give every column a width for the longest of its words, and what is left to those that need least."""
     measured = [_measure(column, console) for column in table.columns]
     _, right, _, left = table.padding
     count = len(measured)
@@ -50,10 +50,11 @@ def _fit(table: Table, console: Console) -> bool:
     spare = room - sum(widths)
     if spare < 0:
         return False
-    while spare and any(most > width for width, (_, most) in zip(widths, measured, strict=True)):
-        wants = [most - width for width, (_, most) in zip(widths, measured, strict=True)]
-        widths[wants.index(max(wants))] += 1
-        spare -= 1
+    wants = [most - least for least, most in measured]
+    for number in sorted(range(count), key=wants.__getitem__):  # who needs little gets all of it
+        given = min(wants[number], spare)
+        widths[number] += given
+        spare -= given
     for column, width in zip(table.columns, widths, strict=True):
         column.width = width
     return True

@@ -70,7 +70,7 @@ def test_without_pyarrow_the_csv_is_there_and_one_line_says_what_is_not(tmp_path
     assert run_cli(["sweep", str(path), "--workers", "1", "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said.count("no tasks.parquet: pyarrow is not installed (pip install 'farhand[parquet]')") == 1
-    assert said[-1] == f"results in {tmp_path / 'out'}/: sweep.json, tasks.csv"
+    assert said[-1].endswith("sweep.json, tasks.csv")
     assert sorted(each.name for each in (tmp_path / "out").glob("tasks.*")) == ["tasks.csv"]
 
 
