@@ -13,44 +13,45 @@ _DEPTHS = 48
 _TRIALS = 24
 
 
-def box_spheres(half: Vector3, excess: float) -> tuple[Array, Array]:
-    """Spheres that cover a box: centres (k, 3) in its own frame and radii (k,) (m).
+def box_spheres(half: Vector3, excess: float, most: int) -> tuple[Array, Array] | None:
+    """Spheres that cover a box: centres (k, 3) in its own frame and radii (k,) (m); None where it takes too many.
 
     Args:
         half: the box's half extents (m).
         excess: by how much a sphere may leave the box at most (m).
+        most: how many spheres at most.
     """
     extents = np.array(half)
-    largest = float(extents.max())
     best: tuple[Array, Array] | None = None
-    # A corner cell must have a half diagonal of about the excess, or a little more: only the count decides.
-    for size in np.geomspace(min(largest, 4.0 * excess), 0.5 * excess, _TRIALS):
-        counts = np.maximum(1, np.ceil(extents / size - 1e-9)).astype(int)
-        if best is not None and float(size) < 0.75 * first:
-            break
-        found = _spheres_on_lattice(extents, counts, excess)
-        if found is None:
-            continue
-        if best is None:
-            first = float(size)
-        if best is None or len(found[1]) < len(best[1]):
-            best = found
-    if best is None:
-        raise ArithmeticError("a cell of half the excess always fits")  # its half diagonal is below the excess
+    first = 0.0
+    for size in np.geomspace(min(float(extents.max()), 4.0 * excess), 0.5 * excess, _TRIALS):
+        if size < 0.75 * first:
+            break  # smaller cells than the largest that fit at the corners: only the count decides
+        counts = np.maximum(1, np.ceil(extents / size - 1e-9))
+        found = _spheres_on_lattice(extents, counts.astype(int), excess, most)
+        if found is not None:
+            first = first or float(size)
+            if best is None or len(found[1]) < len(best[1]):
+                best = found
     return best
 
 
-def _spheres_on_lattice(extents: Array, counts: Array, excess: float) -> tuple[Array, Array] | None:
-    """Blocks of lattice cells as large as may be; None where not even a corner cell fits into its sphere."""
+def _spheres_on_lattice(
+    extents: Array, counts: Array, excess: float, most: int
+) -> tuple[Array, Array] | None:
+    """Blocks of lattice cells as large as may be; None where a corner cell does not fit, or they are too many."""
     size = 2.0 * extents / counts
     *_, leaves = _fit(extents, -extents[None], (size - extents)[None])
     if leaves[0] > excess:
         return None
     low, high = np.zeros((1, 3), dtype=int), counts[None].copy()
-    centres, radii = [], []
+    centres, radii, number = [], [], 0
     while len(low):
+        if number + len(low) > most:
+            return None
         middle, radius, leaves = _fit(extents, low * size - extents, high * size - extents)
         fits = leaves <= excess
+        number += int(fits.sum())
         centres.append(middle[fits])
         radii.append(radius[fits])
         low, high = _halved(low[~fits], high[~fits], size)
