@@ -11,6 +11,7 @@ def name_key(text: str, within: str = "") -> str:
         text: of the error.
         within: dotted name of the table that was read; empty: the whole.
     """
+    text = " ".join(text.splitlines())  # a key that nobody knows may hold anything
     message, separator, path = text.partition(" - at `$")
     message = message[:1].lower() + message[1:]
     key = path.rstrip("`").lstrip(".") if separator else ""

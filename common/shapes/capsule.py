@@ -31,7 +31,7 @@ class Capsule(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind",
         axis = min(max(z, -self.half_length), self.half_length)
         along = z - axis
         norm = math.sqrt(x * x + y * y + along * along)
-        if norm == 0.0:
+        if norm < 1e-12:
             return (self.radius, 0.0, axis)
         scale = self.radius / norm
         return (x * scale, y * scale, axis + along * scale)

@@ -26,7 +26,7 @@ class Sphere(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", 
     def witness(self, x: float, y: float, z: float) -> Vector3:
         """The point of the surface that is nearest to a point; own frame (m)."""
         norm = math.sqrt(x * x + y * y + z * z)
-        if norm == 0.0:
+        if norm < 1e-12:
             return (0.0, 0.0, self.radius)
         scale = self.radius / norm
         return (x * scale, y * scale, z * scale)

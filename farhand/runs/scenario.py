@@ -32,6 +32,7 @@ from farhand.operator_side.steering.settings import SteeringSettings
 from farhand.robot_side.robots.registry import ROBOTS
 from farhand.robot_side.robots.settings import RobotSettings
 from farhand.robot_side.safety.settings import SafetySettings
+from farhand.runs.obstacle_table import check_shapes, settled
 
 BUILT_IN = Path(__file__).resolve().parent.parent / "scenarios"
 
@@ -76,7 +77,8 @@ def load_scenario(name_or_path: str) -> Scenario:
     """A built-in scenario by name, or one from a TOML file; raises ScenarioError with one clear line."""
     path = Path(name_or_path)
     if path.suffix == ".toml" or os.path.isfile(path):  # Path.is_file raises for a name that is too long
-        return scenario_from_table(read_toml(name_or_path, "scenario", ScenarioError), name_or_path)
+        table = read_toml(name_or_path, "scenario", ScenarioError)
+        return scenario_from_table(table, name_or_path, path.parent)
     built_in = BUILT_IN / f"{name_or_path}.toml"
     if name_or_path in built_in_names():
         return parse_scenario(built_in.read_text(encoding="utf-8"), f"{name_or_path}.toml")
@@ -94,14 +96,21 @@ def parse_scenario(text: str, where: str) -> Scenario:
     return scenario_from_table(parse_toml(text, f"scenario {where}", ScenarioError), where)
 
 
-def scenario_from_table(table: dict[str, Any], where: str) -> Scenario:
-    """A scenario from nested dictionaries, validated and checked for sense."""
+def scenario_from_table(table: dict[str, Any], where: str, folder: Path = Path()) -> Scenario:
+    """A scenario from nested dictionaries, validated and checked for sense; raises ScenarioError.
+
+    Args:
+        table: as TOML gives it.
+        where: names the source in errors.
+        folder: what the names of mesh files are relative to.
+    """
     bad = non_finite_key(table)
     if bad:
         raise ScenarioError(f"scenario {where}: {bad}: must be a finite number")
     try:
-        scenario = msgspec.convert(_with_own_tables(table), Scenario)
+        scenario = msgspec.convert(settled(_with_own_tables(table), folder), Scenario)
         _check_kinds(scenario)
+        check_shapes(scenario.obstacles)
     except msgspec.ValidationError as error:
         hint = _hint(str(error)) or there_are(str(error), Scenario)
         raise ScenarioError(f"scenario {where}: {name_key(str(error))}{hint}") from None
