@@ -24,6 +24,8 @@ class KnownArm:
         max_acceleration: of the joints (rad/s^2): the manufacturer's, or one for all.
         elbow, wrist: indices of the joints at whose zero the arm is stretched, the wrist singular; -1: none.
         reach: where the tool, pointing down, finds room; for people.
+        holds_itself: whether its controller compensates gravity. Where none does, light links behind heavy ones
+            creep in the simulation, whose solver ends before it has found the motors' torques.
     """
 
     title: str
@@ -35,6 +37,7 @@ class KnownArm:
     elbow: int
     wrist: int
     reach: str
+    holds_itself: bool
 
 
 def _universal(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
@@ -49,6 +52,7 @@ def _universal(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
         elbow=2,
         wrist=4,
         reach=reach,
+        holds_itself=False,
     )
 
 
@@ -78,6 +82,7 @@ ARMS = {
         elbow=3,
         wrist=5,
         reach="it reaches 0.3 to 0.6 m from its axis, 0.1 to 0.6 m high",
+        holds_itself=True,
     ),
 }
 

@@ -56,6 +56,7 @@ class ArmModel:
         never_colliding: pairs of links whose contact means nothing.
         elbow, wrist: indices of the joints at whose zero the arm is stretched, the wrist singular; -1: not known.
         reach: where it finds room, for people; empty: not known.
+        holds_itself: its joints' controllers take gravity back before they are told anything else.
     """
 
     name: str
@@ -80,6 +81,7 @@ class ArmModel:
     elbow: int = -1
     wrist: int = -1
     reach: str = ""
+    holds_itself: bool = True
 
     @property
     def n(self) -> int:
@@ -144,6 +146,7 @@ def model(name: str) -> ArmModel:
         elbow=known.elbow,
         wrist=known.wrist,
         reach=known.reach,
+        holds_itself=known.holds_itself,
     )
 
 

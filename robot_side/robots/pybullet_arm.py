@@ -165,6 +165,14 @@ class ArmRobot(ArmWorld, Robot):
         self._commanded = self.control.joint_velocity(
             self._q, self._commanded, self._tool, self._wanted, dt, omega
         )
+        if self.arm.holds_itself:
+            bullet.setJointMotorControlArray(
+                self.body,
+                self.joint_indices,
+                bullet.TORQUE_CONTROL,
+                forces=self.kinematics.gravity(self._q).tolist(),
+                physicsClientId=client,
+            )
         bullet.setJointMotorControlArray(
             self.body,
             self.joint_indices,
