@@ -30,7 +30,7 @@ from farhand.operator_side.settings import OperatorSettings
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.operator_side.steering.settings import SteeringSettings
 from farhand.robot_side.robots.registry import ROBOTS
-from farhand.robot_side.robots.settings import RobotSettings
+from farhand.robot_side.robots.settings import FILES, RobotSettings
 from farhand.robot_side.safety.settings import SafetySettings
 from farhand.runs.obstacle_table import check_shapes, settled
 
@@ -58,18 +58,20 @@ class Scenario(Task, frozen=True, kw_only=True):
 class _Kinds:
     """Attributes:
     section: of the scenario.
+    settings: its type; what it has no field for are the kinds' own tables.
     kinds: what it may name.
     """
 
     section: str
+    settings: type[KindSection]
     kinds: Kinds[Any]
 
 
 _SECTIONS = (
-    _Kinds("robot", ROBOTS),
-    _Kinds("controller", CONTROLLERS),
-    _Kinds("margin", MARGINS),
-    _Kinds("steering", DEVICES),
+    _Kinds("robot", RobotSettings, ROBOTS),
+    _Kinds("controller", ControllerSettings, CONTROLLERS),
+    _Kinds("margin", MarginSettings, MARGINS),
+    _Kinds("steering", SteeringSettings, DEVICES),
 )
 
 
@@ -78,7 +80,7 @@ def load_scenario(name_or_path: str) -> Scenario:
     path = Path(name_or_path)
     if path.suffix == ".toml" or os.path.isfile(path):  # Path.is_file raises for a name that is too long
         table = read_toml(name_or_path, "scenario", ScenarioError)
-        return scenario_from_table(table, name_or_path, path.parent)
+        return scenario_from_table(_with_files_beside(table, path.parent), name_or_path, path.parent)
     built_in = BUILT_IN / f"{name_or_path}.toml"
     if name_or_path in built_in_names():
         return parse_scenario(built_in.read_text(encoding="utf-8"), f"{name_or_path}.toml")
@@ -159,11 +161,21 @@ def _with_own_tables(table: dict[str, Any]) -> dict[str, Any]:
     for entry in _SECTIONS:
         section = table.get(entry.section)
         if isinstance(section, dict):
-            own = {key: value for key, value in section.items() if isinstance(value, dict)}
+            fields = set(entry.settings.__struct_fields__) - {"own"}
+            own = {k: v for k, v in section.items() if isinstance(v, dict) and k not in fields}
             if "own" in section and "own" not in own:
                 own["own"] = section["own"]  # is refused as what it is: no kind of that name
             found[entry.section] = {k: v for k, v in section.items() if k not in own} | {"own": own}
     return found
+
+
+def _with_files_beside(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The same with the files of the robot's description by absolute path: they lie beside the scenario's file."""
+    section = table.get("robot")
+    if not isinstance(section, dict):
+        return table
+    files = {k: section[k] for k in FILES if isinstance(section.get(k), str) and section[k]}
+    return table | {"robot": section | {k: str((folder / v).resolve()) for k, v in files.items()}}
 
 
 def _check_kinds(scenario: Scenario) -> None:

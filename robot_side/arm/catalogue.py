@@ -1,6 +1,8 @@
 """The arms that are known by name: those of the package example-robot-data that have been tried."""
 
+import difflib
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +24,8 @@ class KnownArm:
         max_acceleration: of the joints (rad/s^2): the manufacturer's, or one for all.
         elbow, wrist: indices of the joints at whose zero the arm is stretched, the wrist singular; -1: none.
         reach: where the tool, pointing down, finds room; for people.
+        holds_itself: whether its controller compensates gravity. Where none does, light links behind heavy ones
+            creep in the simulation, whose solver ends before it has found the motors' torques.
     """
 
     title: str
@@ -33,6 +37,7 @@ class KnownArm:
     elbow: int
     wrist: int
     reach: str
+    holds_itself: bool
 
 
 def _universal(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
@@ -47,14 +52,15 @@ def _universal(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
         elbow=2,
         wrist=4,
         reach=reach,
+        holds_itself=False,
     )
 
 
 ARMS = {
     "ur3": _universal(
         3,
-        (-0.245, -1.63634, 1.97671, -1.91116, -1.5708, -0.245),
-        "it reaches 0.2 to 0.4 m from its axis, 0.1 to 0.4 m high",
+        (-0.42916, -1.65642, 2.21355, -2.12792, -1.5708, -0.42916),  # tool at (0.27, 0, 0.20)
+        "it reaches 0.15 to 0.4 m from its axis, 0.1 to 0.4 m high",
     ),
     "ur5": _universal(
         5,
@@ -63,19 +69,20 @@ ARMS = {
     ),
     "ur10": _universal(
         10,
-        (-0.245, -1.63634, 1.97671, -1.91116, -1.5708, -0.245),
-        "it reaches 0.4 to 1.0 m from its axis, 0.1 to 0.8 m high",
+        (-0.2364, -1.49271, 1.93555, -2.01363, -1.5708, -0.2364),  # tool at (0.70, 0, 0.40)
+        "it reaches 0.35 to 1.0 m from its axis, 0.1 to 0.8 m high",
     ),
     "panda": KnownArm(
         title="Panda",
         urdf="panda_description/urdf/panda.urdf",
         srdf="panda_description/srdf/panda.srdf",
         tool_frame="panda_hand_tcp",
-        home=(0.0, -0.785398, 0.0, -2.35619, 0.0, 1.5708, 0.785398),
+        home=(0.0, -0.31102, 0.0, -2.34742, 0.0, 2.03641, 0.7854),  # tool at (0.45, 0, 0.35)
         max_acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
         elbow=3,
         wrist=5,
-        reach="it reaches 0.3 to 0.65 m from its axis, 0.1 to 0.6 m high",
+        reach="it reaches 0.3 to 0.6 m from its axis, 0.1 to 0.6 m high",
+        holds_itself=True,
     ),
 }
 
@@ -92,3 +99,10 @@ def data_folder() -> Path:
 def capsule_path(name: str) -> Path:
     """Where the capsules of a known arm lie."""
     return _CAPSULES / f"{name}.toml"
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """What may have been meant: the nearest names, or all."""
+    known = sorted(known)
+    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    return f"nearest are {', '.join(close)}" if close else f"there are {', '.join(known[:12])}"

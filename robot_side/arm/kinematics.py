@@ -68,6 +68,11 @@ class Kinematics:
         pose = pin.updateFramePlacement(self._model, self._data, self._tool)
         return ToolKinematics(pose.translation.copy(), pose.rotation.copy(), jacobian)
 
+    def gravity(self, q: Array) -> Array:
+        """(n,) torques that hold the arm at q (n,), N m."""
+        torques: Array = pin.computeGeneralizedGravity(self._model, self._data, q)
+        return torques
+
     def inverse(self, position: Vector3, R_base_tool: Array, seed: Array) -> Array | None:
         """Joint positions (n,) that bring the tool there, or None; Levenberg-Marquardt from `seed` (rad)."""
         wanted = np.array(position)

@@ -10,10 +10,16 @@ import pinocchio as pin
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
-from farhand.robot_side.arm.capsules import CapsuleFile, FittedCapsule, LinkCapsule, read_capsules
-from farhand.robot_side.arm.catalogue import ARMS, KnownArm, capsule_path, data_folder
+from farhand.robot_side.arm.capsules import (
+    CapsuleFile,
+    FittedCapsule,
+    LinkCapsule,
+    read_capsules,
+    segment_distance,
+)
+from farhand.robot_side.arm.catalogue import ARMS, KnownArm, capsule_path, data_folder, nearest
 from farhand.robot_side.arm.srdf import Semantics, read_srdf
-from farhand.robot_side.arm.urdf import Chain, nearest, read_urdf
+from farhand.robot_side.arm.urdf import Chain, read_urdf
 
 MAX_ACCELERATION = 15.0
 """Of a joint of an arm whose file cannot say it (rad/s^2)."""
@@ -50,6 +56,7 @@ class ArmModel:
         never_colliding: pairs of links whose contact means nothing.
         elbow, wrist: indices of the joints at whose zero the arm is stretched, the wrist singular; -1: not known.
         reach: where it finds room, for people; empty: not known.
+        holds_itself: its joints' controllers take gravity back before they are told anything else.
     """
 
     name: str
@@ -74,6 +81,7 @@ class ArmModel:
     elbow: int = -1
     wrist: int = -1
     reach: str = ""
+    holds_itself: bool = True
 
     @property
     def n(self) -> int:
@@ -100,6 +108,16 @@ class ArmModel:
         """Rotation (3, 3) and position (3,) of the tool in base at q (n,)."""
         rotations, origins = self.poses(q)
         return rotations[-1] @ self.R_last_tool, origins[-1] + rotations[-1] @ self.p_last_tool
+
+    def self_gaps(self, q: Array) -> Array:
+        """(m,) gap of each pair of capsules that is kept apart, at q (n,); negative: they overlap (m)."""
+        ends = self.segments(q)
+        return np.array(
+            [
+                segment_distance(*ends[i], *ends[j]) - self.capsules[i].radius - self.capsules[j].radius
+                for i, j in self.self_pairs
+            ]
+        )
 
     def segments(self, q: Array) -> Array:
         """(m, 2, 3) ends of the capsules' segments in base at q (n,), m."""
@@ -128,6 +146,7 @@ def model(name: str) -> ArmModel:
         elbow=known.elbow,
         wrist=known.wrist,
         reach=known.reach,
+        holds_itself=known.holds_itself,
     )
 
 

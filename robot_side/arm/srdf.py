@@ -1,4 +1,4 @@
-"""What an SRDF says of an arm: pairs of links whose contact means nothing, and named configurations."""
+"""What an SRDF says of an arm: links whose contact means nothing, named configurations, the end effector."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,10 +15,12 @@ class Semantics:
     """Attributes:
     never_colliding: pairs of links whose contact means nothing.
     states: each named configuration, joint by joint (rad).
+    tool_frame: link that holds the end effector; empty: not said.
     """
 
     never_colliding: frozenset[frozenset[str]]
     states: tuple[dict[str, float], ...]
+    tool_frame: str = ""
 
     def home(self, joint_names: tuple[str, ...]) -> Array | None:
         """The first named configuration that says where all of these joints are, (n,) rad."""
@@ -43,6 +45,11 @@ def read_srdf(path: Path) -> Semantics:
             )
     except InputError as error:
         raise InputError(f"SRDF {path}: group_state {state.get('name')!r}: {error}") from None
+    effector = root.find("end_effector")
     return Semantics(
-        frozenset(frozenset((pair.get("link1", ""), pair.get("link2", ""))) for pair in pairs), tuple(states)
+        never_colliding=frozenset(
+            frozenset((pair.get("link1", ""), pair.get("link2", ""))) for pair in pairs
+        ),
+        states=tuple(states),
+        tool_frame=effector.get("parent_link", "") if effector is not None else "",
     )

@@ -3,10 +3,9 @@
 What moves beside the chain, such as the fingers of a gripper, is fixed where its joint stands at zero.
 """
 
-import difflib
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
+from farhand.robot_side.arm.catalogue import nearest
 
 LEAST_JOINTS, MOST_JOINTS = 6, 7
 _PACKAGE, _FILE = "package://", "file://"
@@ -96,6 +96,18 @@ def read_urdf(path: Path, tool_frame: str) -> Chain:
     )
 
 
+def tool_frame_of(path: Path) -> str:
+    """The one link at the end of the arm where nobody says which it is; raises InputError when several could be."""
+    root = read_xml(path, "URDF")
+    parents = {_ends(joint)[0] for joint in root.findall("joint")}
+    ends = [link.get("name", "") for link in root.findall("link") if link.get("name") not in parents]
+    if len(ends) != 1:
+        raise InputError(
+            f"URDF {path}: no tool frame: set robot.tool_frame to one of its links, such as {', '.join(ends[:6])}"
+        )
+    return ends[0]
+
+
 def read_xml(path: Path, what: str) -> ET.Element:
     """The root of an XML file; raises InputError with `what` the file is as its first word."""
     try:
@@ -104,13 +116,6 @@ def read_xml(path: Path, what: str) -> ET.Element:
         raise InputError(f"{what} {path}: cannot be read: {error.strerror or error}") from None
     except (ET.ParseError, UnicodeError, ValueError) as error:
         raise InputError(f"{what} {path}: is not valid XML: {error}") from None
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """What may have been meant: the nearest names, or all."""
-    known = sorted(known)
-    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
-    return f"nearest are {', '.join(close)}" if close else f"there are {', '.join(known[:12])}"
 
 
 def numbers(element: ET.Element, key: str, default: Sequence[float] | None = None, *, size: int = 3) -> Array:
@@ -139,6 +144,12 @@ def rotation_rpy(rpy: Array) -> Array:
             [-sp, cp * sr, cp * cr],
         ]
     )
+
+
+def rpy_of_axis(axis: Array) -> Array:
+    """(3,) roll, pitch and yaw (rad) of a frame whose z axis is the unit vector (3,)."""
+    x, y, z = axis
+    return np.array([0.0, np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)])
 
 
 def _ends(joint: ET.Element) -> tuple[str, str]:

@@ -28,7 +28,7 @@ MAX_DAMPING = 0.05
 PLAIN = 0.2
 """Cosine to the gradient of the smallest singular value from which a motion leads out of a singularity plainly."""
 _LEAST_SPEED_WEIGHT = 1e-6
-_REST = 1e-3
+_REST = 1e-5
 """Damping of an arm with more than six joints: of all motions that do the same to the tool, the least."""
 _NO_TURN: Array = np.zeros(3)
 

@@ -15,10 +15,9 @@ from farhand.common.quantities import Vector3
 from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
-from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.arm.orientation import OrientationReference
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
-from farhand.robot_side.robots.arm_choice import chosen_arm
+from farhand.robot_side.robots.arms import chosen_arm
 from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
@@ -26,6 +25,7 @@ from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.surroundings import Surroundings
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
+_DOWN = -0.999  # height of the tool's z axis at home, from which it points down
 
 
 class ArmWorld:
@@ -38,7 +38,10 @@ class ArmWorld:
     """
 
     def __init__(self, scenario: RobotScenario) -> None:
-        self.arm = chosen_arm(scenario.robot)
+        try:
+            self.arm = chosen_arm(scenario.robot)
+        except ScenarioError as error:
+            raise ScenarioError(f"scenario {scenario.name}: {error}") from None
         self.kinematics = Kinematics(self.arm)
         self._q = _start_configuration(self.kinematics, scenario)
         _check_targets(self.kinematics, self._q, scenario)
@@ -162,6 +165,14 @@ class ArmRobot(ArmWorld, Robot):
         self._commanded = self.control.joint_velocity(
             self._q, self._commanded, self._tool, self._wanted, dt, omega
         )
+        if self.arm.holds_itself:
+            bullet.setJointMotorControlArray(
+                self.body,
+                self.joint_indices,
+                bullet.TORQUE_CONTROL,
+                forces=self.kinematics.gravity(self._q).tolist(),
+                physicsClientId=client,
+            )
         bullet.setJointMotorControlArray(
             self.body,
             self.joint_indices,
@@ -199,20 +210,21 @@ def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Arr
     joints = scenario.robot.joints
     q = kinematics.inverse_tool_down(scenario.start, None if joints is None else np.array(joints))
     if q is None:
-        raise _unreachable("start", scenario.start, kinematics.arm, scenario)
+        raise _unreachable("start", scenario.start, kinematics, scenario)
     return q
 
 
 def _check_targets(kinematics: Kinematics, q: Array, scenario: RobotScenario) -> None:
     for index, target in enumerate(scenario.targets):
         if kinematics.inverse_tool_down(target, q) is None:
-            raise _unreachable(f"targets[{index}]", target, kinematics.arm, scenario)
+            raise _unreachable(f"targets[{index}]", target, kinematics, scenario)
 
 
-def _unreachable(key: str, place: Vector3, arm: ArmModel, scenario: RobotScenario) -> ScenarioError:
-    x, y, z = place
+def _unreachable(key: str, place: Vector3, kinematics: Kinematics, scenario: RobotScenario) -> ScenarioError:
+    arm, (x, y, z) = kinematics.arm, place
+    pointing = "down" if float(kinematics.R_base_tool_down[2, 2]) < _DOWN else "as at home"
     reach = f"; {arm.reach}" if arm.reach else ""
     return ScenarioError(
-        f"scenario {scenario.name}: {key}: unreachable by the {arm.title} with the tool down: "
+        f"scenario {scenario.name}: {key}: unreachable by the {arm.title} with the tool {pointing}: "
         f"({x:g}, {y:g}, {z:g}) m{reach}"
     )

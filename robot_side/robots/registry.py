@@ -16,6 +16,7 @@ ROBOTS: "Kinds[type[Robot]]" = Kinds(
     "farhand.robots",
     "farhand.robot_side.robots.robot:Robot",
     {
+        "arm": "farhand.robot_side.robots.pybullet_arm:ArmRobot",
         "ur5": "farhand.robot_side.robots.pybullet_arm:ArmRobot",
         "box": "farhand.robot_side.robots.pybullet_box:BoxRobot",
         "point": "farhand.robot_side.robots.point:PointRobot",

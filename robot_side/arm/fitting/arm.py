@@ -7,7 +7,7 @@ import numpy as np
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
-from farhand.robot_side.arm.capsules import CapsuleFile, FittedCapsule, segment_distance
+from farhand.robot_side.arm.capsules import CapsuleFile, FittedCapsule
 from farhand.robot_side.arm.fitting.body import Body, bodies
 from farhand.robot_side.arm.fitting.excess import excess
 from farhand.robot_side.arm.fitting.fit import Capsule, fit
@@ -171,26 +171,15 @@ def _mark_covered(links: Sequence[FittedLink], arm: ArmModel) -> tuple[FittedLin
 
 def _overlaps(arm: ArmModel, home: Array, rng: np.random.Generator) -> Iterator[Overlap]:
     """Pairs of links whose capsules overlap at home, or nearly always."""
-    at_home = _gaps(arm, home)
+    at_home = arm.self_gaps(home)
     configurations = rng.uniform(arm.lower, arm.upper, (CONFIGURATIONS, arm.n))
-    overlapping = np.mean([_gaps(arm, q) < 0.0 for q in configurations], axis=0)
+    overlapping = np.mean([arm.self_gaps(q) < 0.0 for q in configurations], axis=0)
     told = set()
     for (i, j), gap, share in zip(arm.self_pairs, at_home, overlapping, strict=True):
         links = arm.capsules[i].part, arm.capsules[j].part
         if (gap < 0.0 or share > MOSTLY) and links not in told:
             told.add(links)
             yield Overlap(links, float(gap), float(share))
-
-
-def _gaps(arm: ArmModel, q: Array) -> Array:
-    """Gap of each pair of capsules that is kept apart (m)."""
-    ends = arm.segments(q)
-    return np.array(
-        [
-            segment_distance(*ends[i], *ends[j]) - arm.capsules[i].radius - arm.capsules[j].radius
-            for i, j in arm.self_pairs
-        ]
-    )
 
 
 def _file(links: Sequence[FittedLink], overlapping: Sequence[tuple[str, str]]) -> CapsuleFile:
