@@ -1,4 +1,4 @@
-"""The compiled MPC-CBF solver. All compiled code is in this file, since numba's cache watches only one file.
+"""The compiled MPC-CBF solver.
 
 Newton's method on the velocities with the box kept exactly, in an augmented Lagrangian over the barrier rows
 whose weight omega and elastic slack are eliminated in closed form. docs/solver.md derives it; the names of
@@ -18,9 +18,8 @@ Arrays:
 # numba infers the types from the arrays listed above
 
 import numpy as np
-from numba import njit
 
-from farhand.operator_side.control.compile_cache import USABLE
+from farhand.operator_side.control.compile_cache import compiled
 
 OPTIMAL, SHORTCUT, ELASTIC, CAPPED, INFEASIBLE, BAD_INPUT = range(6)
 # par: period, weights Q R P S P_omega, decay 1 - gamma, penalty rho, least and greatest price of the elastic
@@ -37,10 +36,8 @@ GRADIENT_TOLERANCE = 2e-4  # m/s, of the projected gradient
 STEP_TOLERANCE = 1e-4  # m/s, of a Newton step, before the multipliers move on
 MAGNITUDE = 1e6  # an input beyond this is refused: sums of squares must stay exact enough to mean something
 
-_compiled = njit(cache=USABLE, nogil=True, fastmath=False, error_model="numpy")
 
-
-@_compiled
+@compiled
 def barrier(path, i, obstacles, j, dt):
     """h_j(x_i) = |x_i - p_j - i dt v_j|^2 - R_j^2 (m^2); of a plane n_j . (x_i - p_j - i dt v_j) - R_j (m)."""
     if obstacles[j, FLAT] != 0.0:
@@ -55,7 +52,7 @@ def barrier(path, i, obstacles, j, dt):
     return h
 
 
-@_compiled
+@compiled
 def roll_out(plan, path, dt):
     """Fill path from path[0] and the plan."""
     for i in range(plan.shape[0]):
@@ -63,7 +60,7 @@ def roll_out(plan, path, dt):
             path[i + 1, k] = path[i, k] + dt * plan[i, k]
 
 
-@_compiled
+@compiled
 def tracking_cost(plan, desired, par):
     """The quadratic part of the cost."""
     last = plan.shape[0] - 1
@@ -76,7 +73,7 @@ def tracking_cost(plan, desired, par):
     return cost
 
 
-@_compiled
+@compiled
 def barrier_row(t, b, y, par):
     """Augmented Lagrangian of one row t >= omega b, least over omega >= 0 and the elastic slack.
 
@@ -102,7 +99,7 @@ def barrier_row(t, b, y, par):
     return l, omega, c, k, value
 
 
-@_compiled
+@compiled
 def merit(plan, path, desired, obstacles, kept, count, multipliers, par):
     """Tracking cost plus every row's augmented Lagrangian."""
     total = tracking_cost(plan, desired, par)
@@ -120,7 +117,7 @@ def merit(plan, path, desired, obstacles, kept, count, multipliers, par):
     return total
 
 
-@_compiled
+@compiled
 def merit_derivatives(
     plan, path, desired, obstacles, kept, count, multipliers, par, base, band, gradient, updated, theta
 ):
@@ -189,7 +186,7 @@ def merit_derivatives(
                         band[r, 3 + k - m] -= c * lean * grad_t[k] * grad_b[m]
 
 
-@_compiled
+@compiled
 def hold_bounds(plan, gradient, band, slope, held, limit, par, reach):
     """Projection: hold the velocities within `reach` of a bound that the gradient pushes against.
 
@@ -216,7 +213,7 @@ def hold_bounds(plan, gradient, band, slope, held, limit, par, reach):
     return residual
 
 
-@_compiled
+@compiled
 def banded_solve(band, factor, gradient, step):
     """Banded Cholesky: step = -H^-1 gradient. Returns False when H is not positive definite."""
     size = band.shape[0]
@@ -245,7 +242,7 @@ def banded_solve(band, factor, gradient, step):
     return True
 
 
-@_compiled
+@compiled
 def prune(position, obstacles, n, limit, par, stages, kept):
     """Fill `kept` with the obstacles that can bind within the horizon; returns their number.
 
@@ -280,7 +277,7 @@ def prune(position, obstacles, n, limit, par, stages, kept):
     return count
 
 
-@_compiled
+@compiled
 def shortcut(position, desired, obstacles, kept, count, gains, limit, par, plan, path):
     """The optimum without obstacles, u_i = gains_i desired; True where it is also the optimum with them."""
     stages = plan.shape[0]
@@ -302,7 +299,7 @@ def shortcut(position, desired, obstacles, kept, count, gains, limit, par, plan,
     return True
 
 
-@_compiled
+@compiled
 def true_cost(plan, path, desired, obstacles, kept, count, par):
     """Cost with the best omega for each row, and the largest violation of a row (m^2).
 
@@ -327,7 +324,7 @@ def true_cost(plan, path, desired, obstacles, kept, count, par):
     return cost, violation
 
 
-@_compiled
+@compiled
 def descend(position, desired, obstacles, kept, count, plan, multipliers, limit, par, base, cap):
     """Projected Newton inside, multiplier updates outside, from `plan`, which becomes the answer.
 
@@ -425,7 +422,7 @@ def descend(position, desired, obstacles, kept, count, plan, multipliers, limit,
     return status, steps, cost, violation
 
 
-@_compiled
+@compiled
 def input_is_bad(position, desired, obstacles, n):
     """Whether a number is not finite or absurdly large, or a radius negative."""
     for k in range(3):
@@ -440,7 +437,7 @@ def input_is_bad(position, desired, obstacles, n):
     return False
 
 
-@_compiled
+@compiled
 def shift(plan, multipliers, n):
     """Warm start: everything moves one step towards now, the last step is repeated."""
     for i in range(plan.shape[0] - 1):
@@ -451,7 +448,7 @@ def shift(plan, multipliers, n):
             multipliers[j, i] = multipliers[j, i + 1]
 
 
-@_compiled
+@compiled
 def nearest_and_proof(position, obstacles, kept, count, limit, par):
     """The nearest obstacle, its distance, and whether one step provably cannot reach h >= sigma.
 
@@ -492,7 +489,7 @@ def nearest_and_proof(position, obstacles, kept, count, limit, par):
     return nearest, gap, proven
 
 
-@_compiled
+@compiled
 def solve(position, desired, obstacles, n, plan, multipliers, warm, limit, par, base, gains, cap):
     """One tick. plan and multipliers are the last tick's when warm, and hold this tick's on return.
 

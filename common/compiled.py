@@ -1,0 +1,107 @@
+"""Compiled functions, kept between runs: a kernel may be several files, and no stale code is ever loaded.
+
+numba's own cache watches only the file in which a function stands, not those from which it calls others. So a kernel's
+code is kept in a folder that is named after a hash of all its files: beside the source, else in the user's cache, else
+in the temporary directory. Folders of the kernel's earlier versions are removed.
+"""
+
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+NOTICE = "no writable place for compiled code (set NUMBA_CACHE_DIR): it is compiled anew at each start"
+_DIGITS = 16
+
+
+class Compiler:
+    """The decorator of a kernel's functions; they are compiled when they are first called.
+
+    A kernel must take every constant from its own files: what it imports from elsewhere is compiled in, and its changes
+    go unseen.
+
+    Args:
+        sources: the kernel's files; a folder stands for every Python file right in it.
+
+    Attributes:
+        folder: where the code is kept; None where nothing can be written.
+        notice: one line that says so then, else empty.
+    """
+
+    def __init__(self, *sources: Path) -> None:
+        files = [file.resolve() for source in sources for file in _files(source)]
+        place = _digest([str(file).encode() for file in files])
+        text = _digest([file.read_bytes() for file in files])
+        kernel = f"{files[0].parent.name}-{place[:8]}-"
+        self.folder = _choose(files[0].parent / "__pycache__", kernel + text[:_DIGITS])
+        self.notice = "" if self.folder else NOTICE
+        if self.folder is not None:
+            _remove_others(self.folder, kernel)
+
+    def __call__(self, function: Callable[..., Any]) -> Any:
+        """The compiled function. Raises ImportError where numba is missing."""
+        import numba.core.config
+
+        settings = vars(numba.core.config)
+        before = settings["CACHE_DIR"]
+        settings["CACHE_DIR"] = str(self.folder or before)  # numba reads it now, and not when it compiles
+        try:
+            return numba.njit(cache=self.folder is not None, nogil=True, fastmath=False, error_model="numpy")(
+                function
+            )
+        finally:
+            settings["CACHE_DIR"] = before
+
+
+def _files(source: Path) -> list[Path]:
+    return sorted(source.glob("*.py")) if source.is_dir() else [source]
+
+
+def _digest(parts: list[bytes]) -> str:
+    total = hashlib.sha256()
+    for part in parts:
+        total.update(hashlib.sha256(part).digest())
+    return total.hexdigest()
+
+
+def _choose(beside: Path, name: str) -> Path | None:
+    """The first of the places where the folder can be made."""
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    if given:
+        return _made(Path(given), name, private=False)
+    home = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
+    own = [home / "farhand", Path(tempfile.gettempdir()) / f"farhand-{os.getuid()}"]
+    return _made(beside, name, private=False) or next(
+        (
+            folder
+            for root in own
+            if root.is_absolute() and (folder := _made(root, name, private=True)) is not None
+        ),
+        None,
+    )
+
+
+def _made(root: Path, name: str, private: bool) -> Path | None:
+    """`root`/`name`, made and writable, or None; where private, nobody else may own or write `root`."""
+    try:
+        root.mkdir(parents=True, exist_ok=True, mode=0o700 if private else 0o777)
+        if private:  # compiled code is loaded from here: nobody else may have put it there
+            facts = root.lstat()
+            if facts.st_uid != os.getuid() or facts.st_mode & 0o022:
+                return None
+        folder = root / name
+        folder.mkdir(exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError:
+        return None
+
+
+def _remove_others(folder: Path, kernel: str) -> None:
+    """Remove what earlier versions of the kernel left beside `folder`."""
+    for other in folder.parent.glob(kernel + "?" * _DIGITS):
+        if other != folder:
+            shutil.rmtree(other, ignore_errors=True)
