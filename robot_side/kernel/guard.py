@@ -276,6 +276,8 @@ def find_rows(
                     along += abs(row[k]) * acceleration[k]
                 speed = speed_of(Z, p, joint, wx, wy, wz, previous)
                 bound = bound_of(d - par[KEEP], along, speed, moves, par)
+                if lever < SHORT_LEVER and not moves:
+                    bound = min(bound, 0.0)  # hardly movable: nothing is gained by pushing
                 if moves:
                     bound += nx * rows[j, VELOCITY] + ny * rows[j, VELOCITY + 1] + nz * rows[j, VELOCITY + 2]
                     bound += rows[j, ACCELERATION] * par[ANSWER]
