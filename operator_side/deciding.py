@@ -37,6 +37,7 @@ from farhand.operator_side.supervision import Decision, Supervision
 from farhand.operator_side.turning import turning_plan
 
 STALE_STATE = "no news from the robot: resynchronising"
+STEPS = 1
 FREE = 0.3
 """A velocity is free if the filter would change it by at most this share."""
 
@@ -256,7 +257,7 @@ class Decider:
             if problem is None:
                 return [True] * len(velocities)
             asked = np.array(velocities, dtype=float).reshape(-1, 3)
-            change = changes(problem, asked, self._scenario.controller)
+            change = changes(problem, asked, self._scenario.controller, STEPS)
             verdicts: list[bool] = (change <= FREE * np.linalg.norm(asked, axis=1)).tolist()
             return verdicts
 
@@ -266,7 +267,9 @@ class Decider:
         def obstacle() -> str:
             problem = mind.filter.problem_from(look.prediction.start)
             index = (
-                -1 if problem is None else in_the_way(problem, np.array(wanted), self._scenario.controller)
+                -1
+                if problem is None
+                else in_the_way(problem, np.array(wanted), self._scenario.controller, STEPS)
             )
             return look.scene.obstacles[index].id if index >= 0 else ""
 

@@ -81,7 +81,7 @@ class Sidestep:
     """
 
     def __init__(self) -> None:
-        self._progress = Progress()
+        self._progress, self._stuck = Progress(), Progress()
         self._step: _Step | None = None
 
     @property
@@ -105,7 +105,9 @@ class Sidestep:
         if instant.now_ns - step.since_ns > LONGEST_NS:
             step.side, step.since_ns = OTHER[step.side], instant.now_ns
             step.across = towards(step.wanted, step.side)
-        step.angle = self._adjusted(step, wanted, instant.free)
+        turned = turned_towards(wanted, step.across, step.angle)
+        stuck = self._stuck.lacking(turned, instant.velocity, instant.now_ns)
+        step.angle = self._adjusted(step, wanted, instant.free, stuck=stuck)
         return turned_towards(wanted, step.across, step.angle)
 
     def _begin(self, wanted: Vector3, instant: Instant) -> _Step | None:
@@ -115,6 +117,7 @@ class Sidestep:
         if way is None:
             return None
         across = towards(wanted, way.side)
+        self._stuck.reset()
         return _Step(instant.position, wanted, way.side, across, way.angle, instant.now_ns)
 
     @staticmethod
@@ -125,12 +128,12 @@ class Sidestep:
         return made > PAST * speed or sum(u * v for u, v in zip(wanted, step.wanted, strict=True)) < 0.0
 
     @staticmethod
-    def _adjusted(step: _Step, wanted: Vector3, free: Free) -> float:
-        """The angle: down while it is free, else up until it is."""
+    def _adjusted(step: _Step, wanted: Vector3, free: Free, *, stuck: bool) -> float:
+        """The angle: down while it is free, else up until it is; up, too, where the robot stands all the same."""
         count = round(step.angle / STEP)
         angles = [STEP * k for k in range(round(MOST / STEP) + 1)]
         verdicts = free([turned_towards(wanted, step.across, angle) for angle in angles])
-        if verdicts[count]:
+        if verdicts[count] and not stuck:
             while count > 0 and verdicts[count - 1]:
                 count -= 1
             return angles[count]
