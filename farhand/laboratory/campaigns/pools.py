@@ -108,7 +108,8 @@ def _start_worker(parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ[PARENT_VARIABLE] = str(parent)
     die_with_parent()
-    from farhand.operator_side.control.registry import make_controller, prepare
+    from farhand.operator_side.control.registry import make_controller
     from farhand.operator_side.control.settings import ControllerSettings
+    from farhand.operator_side.prepare import prepare
 
     prepare(make_controller(ControllerSettings()))

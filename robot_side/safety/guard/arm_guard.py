@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.common.messages.intervention import Intervention, deed
+from farhand.common.messages.intervention import Intervention
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel import guard as kernel
 from farhand.robot_side.kernel.chain import pack
-from farhand.robot_side.kernel.distance import ACCELERATION, VELOCITY
 from farhand.robot_side.kernel.qp import yielding
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.surroundings import Surroundings
@@ -153,7 +152,14 @@ class ArmGuard:
         return self._stoppable(q, qd, previous, low, high, around, watched)
 
     def _stoppable(
-        self, q: Array, qd: Array, previous: Array, low: Array, high: Array, around: Surroundings, watched: int
+        self,
+        q: Array,
+        qd: Array,
+        previous: Array,
+        low: Array,
+        high: Array,
+        around: Surroundings,
+        watched: int,
     ) -> Array:
         """The velocities, or half of the way to them, or those that brake."""
         clear, capsule, other = self._clear(q, qd, around, watched)
@@ -161,7 +167,9 @@ class ArmGuard:
             return qd
         self.braked += 1
         self._blame = (capsule, other, 0.0)
-        kernel.together(previous, self._acceleration, STOP_SHARE, self._par[kernel.DT], low, high, self._brake)
+        kernel.together(
+            previous, self._acceleration, STOP_SHARE, self._par[kernel.DT], low, high, self._brake
+        )
         half: Array = 0.5 * (qd + self._brake)
         if self._clear(q, half, around, watched)[0]:
             return half
