@@ -93,7 +93,8 @@ def _tell(network: str, rows: list[Row]) -> int:
     fewest, most = clopper_pearson(len(low), len(rows))
     print(
         f"{network}: {len(low)} of {len(rows)} below d_min ({100 * fewest:.2f} to {100 * most:.2f} %), "
-        f"least {1e3 * nearest:.1f} mm, {finished} finished, {duration:.1f} s in all, {sum(row.stops for row in rows)} stops",
+        f"least {1e3 * nearest:.1f} mm, {finished} finished, {duration:.1f} s in all, "
+        f"{sum(row.stops for row in rows)} stops",
         flush=True,
     )
     for row in sorted(low, key=lambda row: row.min_clearance or 0.0):
