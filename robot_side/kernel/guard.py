@@ -36,7 +36,7 @@ import math
 
 import numpy as np
 
-from farhand.robot_side.kernel.chain import place, turn
+from farhand.robot_side.kernel.chain import forward, place, turn
 from farhand.robot_side.kernel.distance import (
     ACCELERATION,
     NOTHING,
@@ -46,6 +46,15 @@ from farhand.robot_side.kernel.distance import (
     distance_floor,
 )
 from farhand.robot_side.kernel.jit import compiled
+from farhand.robot_side.kernel.qp import BAD_INPUT, SOLVED, solve, yielding
+from farhand.robot_side.kernel.velocity import (
+    MAX_ACCELERATION,
+    YIELDED,
+    brake,
+    joint_box,
+    turn_wanted,
+    velocity,
+)
 
 # par: distance that rows keep, distance that the check keeps (m), period, reaction (s), gain (1/s), greatest braking
 # along a normal (m/s^2), share of the joints' acceleration that rows and the check count on, push outwards (m/s),
@@ -225,14 +234,14 @@ def find_rows(
         if joint < 0:
             continue
         radius = capsules[i, 7]
-        v, brake = (
+        v, way = (
             0.0,
             0.0,
         )  # m/s, the fastest that any point of the link can be; m, that it can go until it stands
         for k in range(joint + 1):
             w = max(abs(low[k]), abs(high[k]))
             v += reach[i, k] * w
-            brake += reach[i, k] * w * (par[REACTION] + 0.5 * fastest / (par[STOP_SHARE] * acceleration[k]))
+            way += reach[i, k] * w * (par[REACTION] + 0.5 * fastest / (par[STOP_SHARE] * acceleration[k]))
         for j in range(rows.shape[0]):
             vo = math.sqrt(rows[j, 16] ** 2 + rows[j, 17] ** 2 + rows[j, 18] ** 2)
             vo += rows[j, ACCELERATION] * par[ANSWER]
@@ -240,7 +249,7 @@ def find_rows(
             closing = v + vo
             horizon = closing / par[GAIN]
             horizon = max(horizon, closing * (par[REACTION] + 0.5 * closing / par[BRAKING]))
-            horizon = max(horizon, brake + vo * fastest / par[BRAKING])
+            horizon = max(horizon, way + vo * fastest / par[BRAKING])
             for k in range(joint + 1):
                 horizon = max(
                     horizon, closing * (par[REACTION] + 0.5 * fastest / (par[ROW_SHARE] * acceleration[k]))
@@ -282,7 +291,7 @@ def find_rows(
                     bound += nx * rows[j, VELOCITY] + ny * rows[j, VELOCITY + 1] + nz * rows[j, VELOCITY + 2]
                     bound += rows[j, ACCELERATION] * par[ANSWER]
                 count = take_row(row, bound, low, high, d, i, j, rows_out, b_out, facts, count)
-                if d - brake < par[CHECK]:
+                if d - way < par[CHECK]:
                     watching = watch(watched, watching, i, j, t0, t1, d)
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
@@ -310,14 +319,14 @@ def find_rows(
             along += abs(row[m]) * acceleration[m]
         bound = bound_of(d - par[KEEP] + slack[k], along, speed, False, par)
         count = take_row(row, bound, low, high, d, i, -1 - k, rows_out, b_out, facts, count)
-        brake = 0.0
+        way = 0.0
         for m in range(
             min(one, two) + 1, n
         ):  # only the joints between two links move them against each other
             w = max(abs(low[m]), abs(high[m]))
             far = (reach[i, m] if m <= one else 0.0) + (reach[j, m] if m <= two else 0.0)
-            brake += far * w * (par[REACTION] + 0.5 * fastest / (par[STOP_SHARE] * acceleration[m]))
-        if d - brake < par[CHECK] - slack[k]:
+            way += far * w * (par[REACTION] + 0.5 * fastest / (par[STOP_SHARE] * acceleration[m]))
+        if d - way < par[CHECK] - slack[k]:
             watching = watch(watched, watching, i, -1 - k, 0.0, 1.0, d)
     return count, watching, nearest, near_capsule, near_other
 
@@ -418,3 +427,107 @@ def together(previous, acceleration, share, dt, low, high, out):
     left = max(0.0, 1.0 - dt / longest) if longest > 0.0 else 0.0
     for i in range(n):
         out[i] = min(high[i], max(low[i], left * previous[i]))
+
+
+# what: nothing; rows changed the answer; half of the way to braking; braking; no velocity kept all rows
+NOTHING_DONE, ROWS_BOUND, HALVED, BRAKING_NOW, PINCHED, BAD = range(6)
+# report: what, capsule, other, distance, least distance of all, its capsule, its other, rows
+WHAT, PART, OTHER, DISTANCE, NEAREST, NEAR_PART, NEAR_OTHER, ROWS = range(8)
+REPORT = 8
+TIGHT = 1e-6
+"""m/s: a row that is kept by less than this has changed the answer."""
+
+
+@compiled
+def given_velocity(asked, low, high, A, b, m, qd):
+    """qd = the joint velocities nearest to those that another law asks for; a status as that of `velocity`."""
+    n = asked.shape[0]
+    H, f, multipliers = np.eye(n), np.empty(n), np.empty(2 * n + m)
+    for i in range(n):
+        f[i] = -asked[i]
+    status, _ = solve(H, f, low, high, A, b, m, qd, multipliers)
+    if status == SOLVED:
+        return SOLVED
+    if status != BAD_INPUT and yielding(A, b, m, low, high, qd)[0] == SOLVED:
+        return YIELDED
+    brake(low, high, qd)
+    return status
+
+
+@compiled
+def tightest(rows_out, b_out, facts, count, qd):
+    """Index of the row that is tight at qd and whose distance is least; -1: none is."""
+    best, at = NOTHING, -1
+    for j in range(count):
+        over = -b_out[j]
+        for i in range(qd.shape[0]):
+            over += rows_out[j, i] * qd[i]
+        if over < TIGHT and facts[j, 0] < best:
+            best, at = facts[j, 0], j
+    return at
+
+
+@compiled
+def guarded_tick(
+    chain, limits, home, capsules, reach, pairs, slack, par, rows, vertices,
+    q, previous, v, w, R_wanted, asked, by_law,
+    R, p, R_tool, p_tool, J, rows_out, b_out, facts, watched, qd, report,
+):  # fmt: skip
+    """One control period under the guard: fill qd (n,), the frames and J at q, report; turn R_wanted.
+
+    Args:
+        limits, home, v, w, R_wanted: see velocity.py.
+        asked: (n,) joint velocities of another law; used where `by_law` is False.
+    """
+    n = q.shape[0]
+    low, high = np.empty(n), np.empty(n)
+    acceleration = limits[MAX_ACCELERATION]
+    forward(chain, q, R, p, R_tool, p_tool, J)
+    joint_box(limits, q, previous, par[DT], low, high)
+    count, watching, near, near_part, near_other = find_rows(
+        chain, capsules, reach, pairs, slack, R, p, rows, vertices,
+        low, high, previous, acceleration, par, rows_out, b_out, facts, watched,
+    )  # fmt: skip
+    report[WHAT], report[PART], report[OTHER], report[DISTANCE] = NOTHING_DONE, -1, -1, NOTHING
+    report[NEAREST], report[NEAR_PART], report[NEAR_OTHER], report[ROWS] = near, near_part, near_other, count
+    share = 0.0
+    if by_law:
+        status, share = velocity(
+            q, home, J, R_tool, R_wanted, v, w, low, high, rows_out, b_out, count, count > 0, qd
+        )
+    else:
+        status = given_velocity(asked, low, high, rows_out, b_out, count, qd)
+    if status in (SOLVED, YIELDED):
+        tight = tightest(rows_out, b_out, facts, count, qd)
+        if tight >= 0:
+            report[WHAT] = ROWS_BOUND if status == SOLVED else PINCHED
+            report[PART], report[OTHER], report[DISTANCE] = facts[tight, 1], facts[tight, 2], facts[tight, 0]
+    else:
+        report[WHAT] = BAD
+    clear, part, other = way_is_clear(
+        chain, capsules, reach, pairs, slack, q, qd, acceleration, rows, vertices, watched, watching, par
+    )
+    if not clear:
+        stop = np.empty(n)
+        together(previous, acceleration, par[STOP_SHARE], par[DT], low, high, stop)
+        for i in range(n):
+            qd[i] = 0.5 * (qd[i] + stop[i])
+        report[WHAT], report[PART], report[OTHER] = HALVED, part, other
+        for m in range(watching):
+            if watched[m, 0] == part and watched[m, 1] == other:
+                report[DISTANCE] = watched[m, 4]
+        clear, _, _ = way_is_clear(
+            chain, capsules, reach, pairs, slack, q, qd, acceleration, rows, vertices, watched, watching, par
+        )
+        share *= 0.5
+        if not clear:
+            report[WHAT] = BRAKING_NOW
+            share = 0.0
+            for i in range(n):
+                qd[i] = stop[i]
+    if by_law and share > 0.0:
+        part_of_w = np.empty(3)
+        for k in range(3):
+            part_of_w[k] = share * w[k]
+        turn_wanted(R_wanted, R_tool, part_of_w, par[DT])
+    return status

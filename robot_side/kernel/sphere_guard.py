@@ -86,15 +86,15 @@ def way_is_clear(x, v, u, rows, vertices, par):
         for k in range(3):
             b[k] = a[k] + T * b[k]
         for j in range(rows.shape[0]):
-            if _stands(rows[j]) and distance_floor(a, b, par[RADIUS], rows[j]) < par[CHECK]:
-                if capsule_row(a, b, par[RADIUS], rows[j], vertices)[0] < par[CHECK]:
-                    # what is too near now already must only not come nearer
-                    here = capsule_row(x, x, par[RADIUS], rows[j], vertices)[0]
-                    if (
-                        here >= par[CHECK]
-                        or capsule_row(b, b, par[RADIUS], rows[j], vertices)[0] < here - 1e-6
-                    ):
-                        return j
+            if not _stands(rows[j]) or distance_floor(a, b, par[RADIUS], rows[j]) >= par[CHECK]:
+                continue
+            if capsule_row(a, b, par[RADIUS], rows[j], vertices)[0] >= par[CHECK]:
+                continue
+            # what is too near now already must only not come nearer
+            here = capsule_row(x, x, par[RADIUS], rows[j], vertices)[0]
+            there = capsule_row(b, b, par[RADIUS], rows[j], vertices)[0]
+            if here >= par[CHECK] or there < here - 1e-6:
+                return j
     return -1
 
 

@@ -1,16 +1,17 @@
 """The guard of an arm: rows for its velocity control, and a check of what that answers."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from farhand.common.geometry import Array
-from farhand.common.messages.intervention import Intervention
+from farhand.common.geometry import Array, norm, to_vector3
+from farhand.common.messages.intervention import Intervention, deed
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel import guard as kernel
 from farhand.robot_side.kernel.chain import pack
-from farhand.robot_side.kernel.qp import yielding
+from farhand.robot_side.kernel.distance import ACCELERATION, VELOCITY
+from farhand.robot_side.kernel.qp import SOLVED
+from farhand.robot_side.kernel.velocity import YIELDED
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.surroundings import Surroundings
 
@@ -26,9 +27,6 @@ BRAKING = 3.0  # m/s^2
 ROW_SHARE, STOP_SHARE = 0.3, 0.5
 PUSH = 0.1  # m/s
 ANSWER = 0.1  # s
-
-Propose = Callable[[Array, Array, int], "Array | None"]
-"""Joint velocities (n,) in the box that keep rows A (m, n) q' >= b (m,), of which the first m count; None: none do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,17 +87,21 @@ def placed(body: Body, q: Array) -> tuple[Array, Array]:
 
 
 class ArmGuard:
-    """Args:
+    """Takes the place of the velocity control's tick, with rows and a check of its own. Nothing throws.
+
+    Args:
         arm: its model.
         settings: what is kept.
         lag: with which the joints answer (s).
         dt: control period (s).
 
     Attributes:
+        body: the arm as the compiled code reads it.
         did: what was done in the last period; None: nothing.
-        nearest: least distance of any moving part to an obstacle or another part then (m).
+        nearest: least distance of a part that moves to an obstacle or another part then (m); 1e6 without any near.
         pinched: periods in which no velocity kept all rows.
         braked: periods in which what was asked could not be stopped in time.
+        failures: periods in which the velocity control had no answer; the arm brakes then.
     """
 
     def __init__(self, arm: ArmModel, settings: GuardSettings, lag: float, dt: float) -> None:
@@ -110,75 +112,99 @@ class ArmGuard:
         par[kernel.GAIN], par[kernel.BRAKING] = GAIN, BRAKING
         par[kernel.ROW_SHARE], par[kernel.STOP_SHARE] = ROW_SHARE, STOP_SHARE
         par[kernel.PUSH], par[kernel.ANSWER] = PUSH, ANSWER
-        self._par = par
         self.body = body_of(arm, par[kernel.KEEP])
-        self._acceleration = np.ascontiguousarray(arm.max_acceleration)
+        self._par = par
+        self._limits = np.array([arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration])
+        self._home = np.ascontiguousarray(arm.home, dtype=float)
         n = arm.n
-        self._R, self._p = np.empty((n, 3, 3)), np.empty((n, 3))
+        self._R, self._p, self._R_tool, self._p_tool = (
+            np.empty((n, 3, 3)),
+            np.empty((n, 3)),
+            np.eye(3),
+            np.zeros(3),
+        )
+        self._J = np.zeros((6, n))
         self._A, self._b = np.zeros((ROWS, n)), np.zeros(ROWS)
         self._facts, self._watched = np.zeros((ROWS, 4)), np.zeros((WATCHED, 5))
-        self._brake, self._none = np.zeros(n), np.zeros(n)
+        self._qd, self._previous, self._asked = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._report = np.zeros(kernel.REPORT)
         self.did: Intervention | None = None
         self.nearest = 1e6
-        self.pinched = self.braked = 0
-        self._blame: tuple[int, int, float] | None = None
+        self.pinched = self.braked = self.failures = 0
 
     def command(
-        self, q: Array, previous: Array, low: Array, high: Array, around: Surroundings, propose: Propose
+        self,
+        q: Array,
+        previous: Array,
+        v: Array,
+        w: Array,
+        R_base_wanted: Array,
+        around: Surroundings,
+        asked: Array | None = None,
     ) -> Array:
-        """Joint velocities to command now (n,), rad/s.
+        """Joint velocities to command now (n,), rad/s; the array is the same at every call.
 
         Args:
             q: (n,) joint positions (rad).
-            previous: (n,) commanded last (rad/s).
-            low, high: (n,) the box that limits and acceleration leave (rad/s).
+            previous: (n,) commanded last (rad/s); may be the array that this returned.
+            v, w: (3,) commanded twist of the tool, in base (m/s, rad/s).
+            R_base_wanted: (3, 3) orientation that the tool keeps; is turned by as much of w as is followed.
             around: the obstacles now.
-            propose: the velocity control, to be asked with rows.
+            asked: (n,) joint velocities of another velocity control, to be changed as little as can be; None: the
+                direction-keeping law decides.
         """
-        body, par = self.body, self._par
-        kernel.frames(body.chain, q, self._R, self._p)
-        found = kernel.find_rows(
-            body.chain, body.capsules, body.reach, body.pairs, body.slack, self._R, self._p,
-            around.rows, around.vertices, low, high, previous, self._acceleration, par,
-            self._A, self._b, self._facts, self._watched,
+        body, report = self.body, self._report
+        by_law = asked is None
+        self._previous[:] = previous  # may be the array that is filled
+        if asked is not None:
+            self._asked[:] = asked
+        status = kernel.guarded_tick(
+            body.chain, self._limits, self._home, body.capsules, body.reach, body.pairs, body.slack, self._par,
+            around.rows, around.vertices, q, self._previous, v, w, R_base_wanted, self._asked, by_law,
+            self._R, self._p, self._R_tool, self._p_tool, self._J,
+            self._A, self._b, self._facts, self._watched, self._qd, report,
         )  # fmt: skip
-        count, watched, self.nearest = found[0], found[1], found[2]
-        self._blame = None
-        qd = propose(self._A, self._b, count)
-        if qd is None:
-            self.pinched += 1
-            qd = np.zeros(len(q))
-            yielding(self._A, self._b, count, low, high, qd)
-        return self._stoppable(q, qd, previous, low, high, around, watched)
+        what = int(report[kernel.WHAT])
+        self.failures += status not in (SOLVED, YIELDED)
+        self.pinched += what == kernel.PINCHED
+        self.braked += what in (kernel.HALVED, kernel.BRAKING_NOW)
+        self.nearest = float(report[kernel.NEAREST])
+        self.did = self._intervention(what, v, around) if report[kernel.PART] >= 0 else None
+        return self._qd
 
-    def _stoppable(
-        self,
-        q: Array,
-        qd: Array,
-        previous: Array,
-        low: Array,
-        high: Array,
-        around: Surroundings,
-        watched: int,
-    ) -> Array:
-        """The velocities, or half of the way to them, or those that brake."""
-        clear, capsule, other = self._clear(q, qd, around, watched)
-        if clear:
-            return qd
-        self.braked += 1
-        self._blame = (capsule, other, 0.0)
+    def halt(self, previous: Array) -> Array:
+        """Joint velocities with which the joints brake together, on the way that was checked (n,), rad/s."""
+        par, limits = self._par, self._limits
+        most = limits[kernel.MAX_ACCELERATION] * par[kernel.DT]
         kernel.together(
-            previous, self._acceleration, STOP_SHARE, self._par[kernel.DT], low, high, self._brake
+            previous,
+            limits[kernel.MAX_ACCELERATION],
+            1.0,
+            par[kernel.DT],
+            previous - most,
+            previous + most,
+            self._qd,
         )
-        half: Array = 0.5 * (qd + self._brake)
-        if self._clear(q, half, around, watched)[0]:
-            return half
-        return self._brake.copy()
+        self.did = None
+        return self._qd
 
-    def _clear(self, q: Array, qd: Array, around: Surroundings, watched: int) -> tuple[bool, int, int]:
-        body = self.body
-        clear, capsule, other = kernel.way_is_clear(
-            body.chain, body.capsules, body.reach, body.pairs, body.slack, q, qd, self._acceleration,
-            around.rows, around.vertices, self._watched, watched, self._par,
-        )  # fmt: skip
-        return bool(clear), int(capsule), int(other)
+    def _intervention(self, what: int, v: Array, around: Surroundings) -> Intervention | None:
+        report, parts = self._report, self.body.parts
+        other = int(report[kernel.OTHER])
+        if other >= 0:
+            name, moves = around.ids[other], bool(around.rows[other, VELOCITY : ACCELERATION + 1].any())
+        else:
+            name, moves = parts[self.body.pairs[-1 - other, 1]], False
+        asked, done = to_vector3(v.tolist()), to_vector3((self._J[:3] @ self._qd).tolist())
+        said = "braking" if what in (kernel.HALVED, kernel.BRAKING_NOW) else deed(asked, done, moves=moves)
+        if said is None:
+            return None
+        return Intervention(
+            part=parts[int(report[kernel.PART])],
+            obstacle=name,
+            distance=float(report[kernel.DISTANCE]),
+            limit=float(self._par[kernel.KEEP]),
+            asked=norm(asked),
+            done=norm(done),
+            what=said,
+        )

@@ -1,0 +1,255 @@
+"""Hostile runs of an arm: kinematic, with a lag and bounded accelerations of its own, or in PyBullet."""
+
+import math
+
+import numpy as np
+from numpy.random import Generator
+
+from farhand.common.geometry import Array, to_vector3
+from farhand.common.seeds import stream
+from farhand.common.shapes.obstacle import Obstacle
+from farhand.common.shapes.plane import Plane
+from farhand.robot_side.arm.kinematics import Kinematics
+from farhand.robot_side.arm.model import ArmModel, model
+from farhand.robot_side.kernel.distance import capsule_row, distance_floor
+from farhand.robot_side.obstacle_field import ObstacleField
+from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Body, placed, self_gaps
+from farhand.robot_side.safety.guard.settings import GuardSettings
+from farhand.robot_side.surroundings import Surroundings, surroundings_of
+from farhand.trials.safety.adversary import Adversary
+from farhand.trials.safety.outcome import Case, Outcome
+from farhand.trials.safety.scenes import draw_scene, plane, sampled
+from farhand.trials.safety.truth import Meshes
+
+DT = 0.002
+LAG = 0.016
+"""s, as the guard is told."""
+LINEAR, ANGULAR = 2.0, 2.0
+"""Limits of the commands in each axis (m/s, rad/s): those of the watchdog."""
+START_CLEAR = 0.03  # m
+MOVER_CLEAR = 0.2
+"""m: from the start to where a mover begins."""
+COLUMN = 0.3
+"""m: movers keep this off the axis of the first joint, whose column cannot step aside."""
+NEAR = 0.025
+"""m: nearer than this by capsules the meshes are measured as well."""
+EVERY = 5
+"""Ticks between two of these, unless the capsules are nearer than they may be."""
+
+
+class KinematicArm:
+    """Joints that follow commanded velocities with a lag and bounded accelerations.
+
+    Args:
+        q: (n,) at the start (rad).
+        lag: (s).
+        acceleration: (n,) rad/s^2.
+    """
+
+    def __init__(self, q: Array, lag: float, acceleration: Array) -> None:
+        self.q, self.qd = q.copy(), np.zeros(len(q))
+        self._share = 1.0 - math.exp(-DT / lag)
+        self._most = acceleration * DT
+
+    def step(self, commanded: Array) -> None:
+        """One tick."""
+        change = np.minimum(np.maximum(self._share * (commanded - self.qd), -self._most), self._most)
+        self.q = self.q + DT * (self.qd + 0.5 * change)
+        self.qd = self.qd + change
+
+
+class Judge:
+    """Measures what is true at a tick: capsules always, meshes where it is close.
+
+    Args:
+        arm, body: of the arm.
+        obstacles: as they are at the start.
+    """
+
+    def __init__(self, arm: ArmModel, body: Body, obstacles: tuple[Obstacle, ...], d_min: float) -> None:
+        self._body, self._d_min = body, d_min
+        self._meshes = Meshes(arm)
+        self._field = ObstacleField(obstacles, 0)
+        self._planes = np.array([isinstance(o.shape, Plane) for o in obstacles], dtype=bool)
+        self._moving = [i for i in range(len(body.capsules)) if body.capsules[i, 0] >= 0]
+        self.nearest, self.nearest_self = 1e6, 1e6
+        self.part, self.obstacle, self.at = "", "", 0.0
+        self._tick = 0
+
+    def look(self, q: Array, around: Surroundings, t: float) -> tuple[float, int, int]:
+        """Note the truth now; returns the least distance by capsules, its capsule and its obstacle."""
+        A, B = placed(self._body, q)
+        body = self._body
+        found = []
+        best, which, whose = 1e6, -1, -1
+        for i in self._moving:
+            radius, joint = body.capsules[i, 7], body.capsules[i, 0]
+            for j in range(len(around.rows)):
+                if self._planes[j] and joint < 2:
+                    # the foot cannot leave the table that it stands on: the meshes decide
+                    if joint == 1 and self._tick % EVERY == 0:
+                        found.append((i, j))
+                    continue
+                if distance_floor(A[i], B[i], radius, around.rows[j]) > max(best, NEAR):
+                    continue
+                d = capsule_row(A[i], B[i], radius, around.rows[j], around.vertices)[0]
+                if d < best:
+                    best, which, whose = d, i, j
+                if d < self._d_min or (d < NEAR and self._tick % EVERY == 0):
+                    found.append((i, j))
+        if found:
+            self._measure(q, found, t)
+        elif best < self.nearest and best >= NEAR:
+            self._note(best, which, whose, t)
+        self._look_at_itself(q)
+        self._tick += 1
+        return best, which, whose
+
+    def _note(self, distance: float, which: int, whose: int, t: float) -> None:
+        self.nearest, self.at = distance, t
+        self.part, self.obstacle = self._body.parts[which], self._field.at(0)[whose].id
+
+    def _measure(self, q: Array, found: list[tuple[int, int]], t: float) -> None:
+        self._meshes.place(q)
+        obstacles = self._field.at(round(t * 1e9))
+        for i, j in found:
+            d = self._meshes.distance(self._body.parts[i], obstacles[j])
+            if d < self.nearest:
+                self._note(d, i, j, t)
+
+    def _look_at_itself(self, q: Array) -> None:
+        if len(self._body.pairs) == 0 or self._tick % 2:
+            return
+        gaps = self_gaps(self._body, q)
+        least = int(np.argmin(gaps))
+        if gaps[least] >= self._d_min:
+            self.nearest_self = min(self.nearest_self, float(gaps[least]))
+            return
+        self._meshes.place(q)
+        one, other = (self._body.parts[i] for i in self._body.pairs[least])
+        self.nearest_self = min(self.nearest_self, self._meshes.between(one, other))
+
+
+def arm_scene(seed: int, case: Case, arm: ArmModel, body: Body) -> tuple[Obstacle, ...]:
+    """What stands and shuttles around the arm; in every second scene it stands on a table, in some beside a wall."""
+    rng = stream(seed, "guard", case.robot, "scene", str(case.scene), f"{case.speed:g}")
+    A, B = placed(body, arm.home)
+    reach = 0.95 * arm.longest_reach
+
+    def gap(obstacle: Obstacle, first: int = 0) -> float:
+        table = surroundings_of([obstacle])
+        return min(
+            capsule_row(A[i], B[i], body.capsules[i, 7], table.rows[0], table.vertices)[0]
+            for i in range(first, len(A))
+        )
+
+    def place(rng: Generator) -> Array:
+        while True:
+            x = rng.uniform(-reach, reach, 3)
+            x[2] = abs(x[2])
+            if 0.15 < float(np.linalg.norm(x)) < reach:
+                return np.asarray(x)
+
+    def fits(obstacle: Obstacle) -> bool:
+        if not obstacle.path:
+            return gap(obstacle) > START_CLEAR
+        if gap(sampled(obstacle)[0]) < MOVER_CLEAR:
+            return False
+        foot, top = np.zeros(3), np.array([0.0, 0.0, 0.3])
+        for where in sampled(obstacle):
+            table = surroundings_of([where])
+            if capsule_row(foot, top, COLUMN, table.rows[0], table.vertices)[0] < 0.0:
+                return False
+        return True
+
+    count = 3 if case.speed else int(rng.integers(3, 13))
+    found = draw_scene(rng, count=count, place=place, size=(0.03, 0.15), speed=case.speed, fits=fits)
+    if rng.random() < 0.5:
+        found += (plane("table", (0.0, 0.0, 0.0), np.array([0.0, 0.0, 1.0])),)
+    if rng.random() < 0.3:
+        angle = float(rng.uniform(0.0, 2.0 * np.pi))
+        normal = np.array([-math.cos(angle), -math.sin(angle), 0.0])
+        wall = plane("wall", to_vector3((-normal * rng.uniform(0.5, 0.9)).tolist()), normal)
+        if gap(wall) > START_CLEAR:
+            found += (wall,)
+    return found
+
+
+def run_arm(seed: int, case: Case, settings: GuardSettings) -> Outcome:
+    """Drive it, and judge it at every tick."""
+    rng = stream(seed, "guard", case.robot, "run", f"{case.speed:g}", str(case.index))
+    arm = model(case.robot)
+    guard = ArmGuard(arm, settings, LAG, DT)
+    obstacles = arm_scene(seed, case, arm, guard.body)
+    if not case.guarded:
+        obstacles_seen: tuple[Obstacle, ...] = ()
+    else:
+        obstacles_seen = obstacles
+    field, seen = ObstacleField(obstacles, 0), ObstacleField(obstacles_seen, 0)
+    kinematics = Kinematics(arm)
+    true_acceleration = arm.max_acceleration * (1.0 + case.acceleration_error)
+    body = KinematicArm(arm.home, LAG * (1.0 + case.lag_error), true_acceleration)
+    judge = Judge(arm, guard.body, obstacles, settings.d_min)
+    near: list[tuple[float, int, int]] = [(1e6, -1, -1)]
+    around = field.table(0)
+    tool = kinematics.tool(body.q)
+
+    def towards() -> Array:
+        _, which, whose = near[0]
+        if which < 0:
+            return np.zeros(6)
+        return np.asarray(tool.jacobian @ closing(arm, guard.body, body.q, which, around, whose))
+
+    adversary = Adversary(case.mode, rng, LINEAR, ANGULAR, towards, DT)
+    wanted = tool.R_base_tool.copy()
+    commanded = np.zeros(arm.n)
+    busy, way = 0, 0.0
+    pinch_at, pinched = -1.0, 0
+    ticks = round(case.duration / DT)
+    reason = ""
+    for tick in range(ticks):
+        t = tick * DT
+        now_ns = round(t * 1e9)
+        around = field.table(now_ns)
+        before = judge.nearest
+        near[0] = judge.look(body.q, around, t)
+        if guard.pinched > pinched:
+            pinched, pinch_at = guard.pinched, t
+        if judge.nearest < min(before, settings.d_min):
+            reason = "pinched" if t - pinch_at < 0.5 else "unexplained"
+        tool = kinematics.tool(body.q)
+        twist = adversary.command()
+        commanded = guard.command(
+            body.q, commanded, np.ascontiguousarray(twist[:3]), np.ascontiguousarray(twist[3:]), wanted,
+            seen.table(now_ns),
+        )  # fmt: skip
+        busy += guard.did is not None
+        body.step(commanded)
+        way += DT * float(np.linalg.norm(tool.jacobian[:3] @ body.qd))
+    return Outcome(
+        case=case,
+        nearest=judge.nearest,
+        nearest_self=judge.nearest_self if len(guard.body.pairs) else None,
+        part=judge.part,
+        obstacle=judge.obstacle,
+        at=judge.at,
+        reason=reason,
+        slowed=busy / max(1, ticks),
+        pinched=guard.pinched,
+        travelled=way,
+    )
+
+
+def closing(arm: ArmModel, body: Body, q: Array, which: int, around: Surroundings, whose: int) -> Array:
+    """(n,) joint velocities of length 1 that bring a capsule straight to an obstacle."""
+    A, B = placed(body, q)
+    d = capsule_row(A[which], B[which], body.capsules[which, 7], around.rows[whose], around.vertices)
+    witness, normal = A[which] + d[1] * (B[which] - A[which]), np.array(d[2:])
+    rotations, origins = arm.poses(q)
+    row = np.zeros(arm.n)
+    for k in range(int(body.capsules[which, 0]) + 1):
+        row[k] = normal @ np.cross(rotations[k] @ arm.axes[k], witness - origins[k])
+    length = float(np.linalg.norm(row))
+    return -row / length if length > 1e-6 else row
+
+
