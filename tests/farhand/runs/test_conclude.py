@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from farhand.runs.console import page
 
 from farhand.cli import run
 from farhand.common.result_file import write_result
 from farhand.operator_side.result import OperatorResult
 from farhand.robot_side.result import RobotResult
 from farhand.runs.conclude import conclude
-from farhand.runs.console import page
 from farhand.runs.run import Run
 from farhand.runs.scenario import load_scenario
 
