@@ -2,7 +2,8 @@
 
 A kind is a class in a small file of its own. Built-in kinds are named as `module:Class` and imported only when they
 are asked for, so that a program starts fast and needs only what it uses. Packages from outside bring theirs by
-entry points (`[project.entry-points."farhand.margins"]`, `mine = "my_package.my_module:MyMargin"`).
+entry points (`[project.entry-points."farhand.margins"]`, `mine = "my_package.my_module:MyMargin"`). A script adds its
+own with `add`, for its own process.
 """
 
 import difflib
@@ -52,10 +53,32 @@ class Kinds(Generic[T]):
         self._outside: dict[str, list[importlib.metadata.EntryPoint]] | None = None
         self._ill_named: dict[str, list[importlib.metadata.EntryPoint]] = {}
         self._loaded: dict[str, T] = {}
+        self._added: set[str] = set()
 
     def names(self) -> tuple[str, ...]:
         """All names: the built-in ones first, then those from outside in alphabetical order."""
-        return (*self._built_in, *sorted(set(self._entry_points()) - set(self._built_in)))
+        return (*self._built_in, *sorted((set(self._entry_points()) | self._added) - set(self._built_in)))
+
+    def add(self, name: str, kind: T) -> None:
+        """Take in a kind of this process's own: whatever runs in it finds the kind by name.
+
+        Other processes, such as the workers of a campaign, do not: there, a package brings it. The same name
+        again takes the new kind, as happens where a notebook's cell runs twice.
+
+        Raises:
+            InputError: the name cannot be written or belongs to another, or this is no such kind.
+        """
+        if not _NAME.match(name):
+            raise InputError(
+                f"{self.what} {name!r}: a name is 1 to 64 letters, digits, dots, dashes or underscores"
+            )
+        if name in self._built_in or name in self._entry_points():
+            raise InputError(f"{self.what} {name!r} is there already; choose another name")
+        base = self._base_class()
+        if not (isinstance(kind, type) and issubclass(kind, base)):
+            raise InputError(f"{self.what} {name!r}: {kind!r} is no subclass of {base.__qualname__}")
+        self._loaded[name] = kind
+        self._added.add(name)
 
     def is_outside(self, name: str) -> bool:
         """Whether an installed package brings it, or nobody does."""
@@ -74,7 +97,7 @@ class Kinds(Generic[T]):
         )
 
     def __contains__(self, name: object) -> bool:
-        return name in self._built_in or name in self._entry_points()
+        return name in self._built_in or name in self._added or name in self._entry_points()
 
     def get(self, name: str, where: str = "") -> T:
         """The kind of that name.
@@ -113,13 +136,16 @@ class Kinds(Generic[T]):
                 f"{_brought(points)}: {self.group}: {self.what} {name!r} cannot be imported from "
                 f"{points[0].value}: {type(error).__name__}: {error}"
             ) from None
-        base = _import(self._base) if isinstance(self._base, str) else self._base
+        base = self._base_class()
         if not (isinstance(kind, type) and issubclass(kind, base)):
             raise InputError(
                 f"{_brought(points)}: {self.group}: {name!r} is {points[0].value}, which is no subclass of "
                 f"{base.__module__}.{base.__qualname__}"
             )
         return kind
+
+    def _base_class(self) -> Any:
+        return _import(self._base) if isinstance(self._base, str) else self._base
 
     def _entry_points(self) -> dict[str, list[importlib.metadata.EntryPoint]]:
         if self._outside is None:

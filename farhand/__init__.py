@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from farhand.common.scenario.section import NoSettings as NoSettings
     from farhand.common.scenario.section import Section as Section
     from farhand.common.scenario.section import own_settings as own_settings
+    from farhand.laboratory.replay import Replay as Replay
+    from farhand.laboratory.replay import replay as replay
     from farhand.laboratory.simulation import SimulationResult as SimulationResult
     from farhand.laboratory.simulation import simulate as simulate
     from farhand.laboratory.simulation import simulate_run as simulate_run
@@ -46,21 +48,26 @@ if TYPE_CHECKING:
     from farhand.operator_side.control.controller import ControlProblem as ControlProblem
     from farhand.operator_side.control.controller import ControlSolution as ControlSolution
     from farhand.operator_side.control.controller import Status as Status
+    from farhand.operator_side.control.registry import CONTROLLERS as CONTROLLERS
     from farhand.operator_side.control.registry import make_controller as make_controller
     from farhand.operator_side.control.settings import ControllerSettings as ControllerSettings
     from farhand.operator_side.margins.law import Margin as Margin
     from farhand.operator_side.margins.law import MarginInput as MarginInput
     from farhand.operator_side.margins.law import MarginLaw as MarginLaw
+    from farhand.operator_side.margins.registry import MARGINS as MARGINS
     from farhand.operator_side.margins.settings import MarginSettings as MarginSettings
     from farhand.operator_side.operator_node import OperatorNode as OperatorNode
     from farhand.operator_side.prediction.law import Known as Known
     from farhand.operator_side.prediction.law import Prediction as Prediction
     from farhand.operator_side.prediction.law import StatePredictor as StatePredictor
+    from farhand.operator_side.prediction.registry import PREDICTORS as PREDICTORS
     from farhand.operator_side.settings import OperatorSettings as OperatorSettings
     from farhand.operator_side.steering.device import SteeringDevice as SteeringDevice
     from farhand.operator_side.steering.device import SteeringInput as SteeringInput
     from farhand.operator_side.steering.device import View as View
+    from farhand.operator_side.steering.registry import DEVICES as DEVICES
     from farhand.robot_side.robot_node import RobotNode as RobotNode
+    from farhand.robot_side.robots.registry import ROBOTS as ROBOTS
     from farhand.robot_side.robots.registry import make_robot as make_robot
     from farhand.robot_side.robots.robot import Robot as Robot
     from farhand.robot_side.robots.robot import RobotSample as RobotSample
@@ -71,7 +78,9 @@ if TYPE_CHECKING:
     from farhand.runs.run import Run as Run
     from farhand.runs.scenario import Scenario as Scenario
     from farhand.runs.scenario import load_scenario as load_scenario
+    from farhand.runs.scenario import parse_scenario as parse_scenario
     from farhand.runs.scenario import replace_setting as replace_setting
+    from farhand.runs.scenario import replace_settings as replace_settings
     from farhand.runs.summary import RunSummary as RunSummary
 
 _HOME = {
@@ -141,6 +150,15 @@ _HOME = {
     "load_scenario": "runs.scenario",
     "replace_setting": "runs.scenario",
     "RunSummary": "runs.summary",
+    "CONTROLLERS": "operator_side.control.registry",
+    "DEVICES": "operator_side.steering.registry",
+    "MARGINS": "operator_side.margins.registry",
+    "PREDICTORS": "operator_side.prediction.registry",
+    "ROBOTS": "robot_side.robots.registry",
+    "Replay": "laboratory.replay",
+    "replay": "laboratory.replay",
+    "replace_settings": "runs.scenario",
+    "parse_scenario": "runs.scenario",
 }
 __all__ = sorted(_HOME)
 

@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import msgspec
 
@@ -52,6 +53,48 @@ class ReportPublisher:
         self._link.send(Packet(self._key, encode(report)))
 
 
+class Driver(Protocol):
+    """What a time limit looks at."""
+
+    @property
+    def waits(self) -> bool:
+        """Whether another session holds control."""
+        ...
+
+    @property
+    def driving_since_ns(self) -> int | None:
+        """Instant of the first motion command."""
+        ...
+
+
+class TimeLimit:
+    """Time from the first motion command on; until there is one, from the start, or since another operator gave
+    control up. While another one holds control, no time counts.
+
+    Args:
+        node: drives.
+        limit_ns: None: no limit.
+        start_ns: of the program.
+    """
+
+    def __init__(self, node: Driver, limit_ns: int | None, start_ns: int) -> None:
+        self._node, self._limit_ns = node, limit_ns
+        self._looked_ns, self._spent_ns = start_ns, 0
+        self._drove = False
+
+    def is_up(self, now_ns: int) -> bool:
+        """Whether it is over; to be asked again and again, several times a second."""
+        since_ns = self._node.driving_since_ns
+        if not self._node.waits:
+            self._spent_ns += now_ns - self._looked_ns
+        elif since_ns is None:
+            self._spent_ns = 0
+        if since_ns is not None and not self._drove:
+            self._drove, self._spent_ns = True, now_ns - since_ns
+        self._looked_ns = now_ns
+        return self._limit_ns is not None and self._spent_ns >= self._limit_ns
+
+
 def run_operator(
     node: OperatorNode,
     clock: SystemClock,
@@ -67,20 +110,14 @@ def run_operator(
         node: the node, with its listeners; its solver is compiled already.
         clock: of this process.
         stop_event: ends it.
-        time_limit: after the first motion command; until there is one, after the start, or after another
-            operator gave control up, which is waited for without a limit (s); None: no limit.
+        time_limit: see TimeLimit (s); None: no limit.
         slot: through which other threads change the node.
         realtime: ask for SCHED_FIFO.
     """
-    limit_ns = None if time_limit is None else to_ns(time_limit)
-    start_ns = clock.now_ns()
+    limit = TimeLimit(node, None if time_limit is None else to_ns(time_limit), clock.now_ns())
 
     def over(now_ns: int) -> bool:
-        nonlocal start_ns
-        if node.waits:
-            start_ns = now_ns
-        since_ns = node.driving_since_ns or start_ns
-        late = limit_ns is not None and now_ns - since_ns >= limit_ns
+        late = limit.is_up(now_ns)
         return node.finished or bool(node.fault) or late or stop_event.is_set()
 
     loop = RealtimeLoop(node, clock, realtime=realtime, until=over)

@@ -60,6 +60,7 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="progr
         silences: (from, to) of times in which no state came, or none that answered, for more than 0.5 s; s since
             the first motion command; the first thousand.
         last_report: the newest report.
+        recording_trouble: what its recording lacks, in words; empty: nothing, or none was asked for.
     """
 
     version: int = 1
@@ -71,6 +72,7 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="progr
     series: list[Sample] = msgspec.field(default_factory=list)
     silences: list[Span] = msgspec.field(default_factory=list)
     last_report: ControlReport | None = None
+    recording_trouble: str = ""
 
 
 class Tally:

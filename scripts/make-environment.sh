@@ -67,7 +67,7 @@ what="1.2 GB"
 echo "farhand: installing the pinned dependencies into .venv ($what; one to three minutes the first time)"
 pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
 .venv/bin/python scripts/slim_environment.py .venv
-.venv/bin/python -m farhand.operator_side.control.warm | sed "s/^/farhand: /"
+.venv/bin/python -m farhand.operator_side.warm | sed "s/^/farhand: /"
 touch .venv/.ready
 [ -z "$extras" ] || touch .venv/.ready-tests
 echo "farhand: ready, .venv/bin/farhand"

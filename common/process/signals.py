@@ -5,7 +5,8 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import FrameType
 
 PARENT_VARIABLE = "FARHAND_PARENT"
@@ -51,6 +52,17 @@ def stop_event_on_signals() -> threading.Event:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, stop)
     return event
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[threading.Event]:
+    """`stop_event_on_signals` for a while: afterwards the signals mean what they meant before."""
+    kept = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield stop_event_on_signals()
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)
 
 
 def die_with_parent() -> None:

@@ -131,11 +131,25 @@ def chosen_scenario(
 def chosen_network(
     scenario: "Scenario", where: str, network: str | None, uplink: str | None, downlink: str | None
 ) -> "Network":
-    """The network in force for a run of `scenario`, which was asked for as `where`; raises InputError."""
-    from farhand.runs.run import choose_network, read_choice
+    """The network in force for a run of `scenario`, which was asked for as `where`; raises InputError.
+
+    Where one direction is said, by the command line or the scenario, and the other is not, that one has the default
+    all the same, and is told of: who says one may have forgotten the other.
+    """
+    from farhand.common.process.signals import say
+    from farhand.runs.run import choose_network, left_open, read_choice
 
     choice = read_choice(network, uplink, downlink)
-    return choose_network(scenario, choice, default=DEFAULT_NETWORK, where=where)
+    chosen = choose_network(scenario, choice, default=DEFAULT_NETWORK, where=where)
+    not_said = left_open(scenario, choice)
+    if len(not_said) == 1:
+        way = not_said[0]
+        say(
+            "network",
+            f"the {way} is {DEFAULT_NETWORK}, the default, since only the other direction is said; "
+            f"--{way} none leaves it unimpaired",
+        )
+    return chosen
 
 
 def parse_setting(setting: str) -> tuple[str, object]:

@@ -20,8 +20,8 @@ from farhand.runs.conclude import conclude
 from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder, write_scenario
+from farhand.runs.why import INTERRUPTED
 
-INTERRUPTED = "interrupted"
 MEMORY = "/dev/shm"
 NAMES = ("netem", "robot", "operator")
 

@@ -21,8 +21,9 @@ from farhand.common.recording.reader import RecordedRun, read_run
 from farhand.common.recording.records import TickRecord
 from farhand.laboratory.replay_scenario import scenario_of
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.control.registry import make_controller, prepare
+from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity
+from farhand.operator_side.prepare import prepare
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 from farhand.operator_side.supervision import ESTOP_ASKED
 from farhand.programs.wiring import make_operator, versions

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from farhand.common.process.console import page
 from farhand.common.process.outputs import survive
-from farhand.common.process.signals import say
+from farhand.common.process.signals import say, stopped_by_signals
 from farhand.laboratory.simulation import simulate_run
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.result import sample_of
@@ -19,7 +19,10 @@ from farhand.runs.summary import write_summary
 
 
 def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = False) -> int:
-    """Do a run in virtual time; returns 0 if it was safe and finished, else 1."""
+    """Do a run in virtual time; returns 0 if it was safe and finished, else 1.
+
+    Ctrl-C, SIGTERM or SIGHUP end it where it is, with the summary of what was.
+    """
     run.check()
     folder = make_run_folder(out, run.scenario.name, force=force)
 
@@ -31,7 +34,8 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = F
 
     prepare_aloud(make_controller(run.scenario.controller), tell)
     keep(SCENARIO, lambda: write_scenario(run, folder))
-    result = simulate_run(run, keep_reports=True, record_to=folder / RECORDING)
+    with stopped_by_signals() as stopped:
+        result = simulate_run(run, keep_reports=True, record_to=folder / RECORDING, stop=stopped.is_set)
     if result.recording_trouble:
         tell(f"{folder / RECORDING}: {result.recording_trouble}")
     written = keep(SUMMARY, lambda: write_summary(result.summary, folder))

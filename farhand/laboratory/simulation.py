@@ -22,8 +22,9 @@ from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.measure.result import NetemResult
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.control.registry import make_controller, prepare
+from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
+from farhand.operator_side.prepare import prepare
 from farhand.operator_side.result import OperatorResult, Span, Tally
 from farhand.programs.wiring import (
     OPERATOR_NAME,
@@ -40,7 +41,7 @@ from farhand.runs.results import RunResults
 from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run
 from farhand.runs.scenario import Scenario, load_scenario
 from farhand.runs.summary import RunSummary, summarise
-from farhand.runs.why import unfinished
+from farhand.runs.why import INTERRUPTED, unfinished
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -78,12 +79,14 @@ class Options(TypedDict, total=False):
         keep_reports: keep every ControlReport.
         record_to: file for a recording that can be replayed.
         digest: hash every message.
+        stop: asked after every event; the run ends, as interrupted, once it is true.
         controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
     """
 
     keep_reports: bool
     record_to: Path | None
     digest: bool
+    stop: Callable[[], bool]
     controller: Controller | None
     robot: Robot | None
 
@@ -111,8 +114,9 @@ def simulate(  # noqa: PLR0913 (the friendly front door)
         computing_time: of a control tick (s).
         timeline: TOML file of changes of the network at given times.
         options: `keep_reports=True` keeps every ControlReport, `record_to=PATH` writes a recording that can be
-            replayed, `digest=True` hashes every message; `controller=` and `robot=` stand in for the scenario's:
-            fresh ones, as they keep state, and the caller closes the robot.
+            replayed, `digest=True` hashes every message; `stop=` is asked whether to end at once;
+            `controller=` and `robot=` stand in for the scenario's: fresh ones, as they keep state, and the caller
+            closes the robot.
 
     Raises:
         InputError: a SPEC, a file, a number or the robot's start makes no sense.
@@ -152,6 +156,7 @@ class _World:
 
     def __init__(self, run: Run, options: Options, closing: ExitStack) -> None:
         self._run = run
+        self._stop = options.get("stop", lambda: False)
         self._executor = VirtualExecutor(START_NS)
         self._hasher = hashlib.sha256()
         self._tally, self._reports = Tally(), list[ControlReport]()
@@ -169,7 +174,7 @@ class _World:
     def run(self) -> SimulationResult:
         """Until all is done, or the time is up."""
         run, operator = self._run, self._operator
-        end_ns = _run(self._executor, operator, to_ns(run.time_limit))
+        end_ns = _run(self._executor, operator, to_ns(run.time_limit), self._stop)
         self._netem.check_conservation()
         results = RunResults(
             operator=self._operator_result(end_ns),
@@ -177,7 +182,9 @@ class _World:
             robot=self._robot.summary(),
         )
         why = ""
-        if not operator.finished:
+        if self._stop() and not operator.finished:
+            why = INTERRUPTED
+        elif not operator.finished:
             why = unfinished(self._tally.last, run)
             if not operator.fault:
                 why = f"not finished within {run.time_limit:g} s: {why}"
@@ -252,15 +259,16 @@ class _World:
         )
 
 
-def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int) -> int:
-    """Until finished, or the limit after the first motion command (or after the start, if there is none)."""
+def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int, stop: Callable[[], bool]) -> int:
+    """Until `stop()`, or finished, or the limit after the first motion command (after the start, if there is none)."""
     start_ns = executor.clock.now_ns()
     executor.run_until(
-        start_ns + limit_ns, lambda: operator.driving_since_ns is not None or bool(operator.fault)
+        start_ns + limit_ns, lambda: operator.driving_since_ns is not None or bool(operator.fault) or stop()
     )
     if operator.driving_since_ns is not None:
         executor.run_until(
-            operator.driving_since_ns + limit_ns, lambda: operator.finished or bool(operator.fault)
+            operator.driving_since_ns + limit_ns,
+            lambda: operator.finished or bool(operator.fault) or stop(),
         )
     return executor.clock.now_ns()
 

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 
 from farhand.operator_side.control.controller import Controller
-from farhand.operator_side.control.registry import prepare
+from farhand.operator_side.prepare import prepare
 
 SAY_AFTER = 1.0
 LINE = "compiling the solver, once on this machine: some 20 s ..."

@@ -177,12 +177,13 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         outcome = run_operator(
             node, clock, stop_event, time_limit=options.time_limit, slot=slot, realtime=options.realtime
         )
+    lacking = ""
     if recorder is not None and recorder.trouble:
-        say(
-            "operator", f"--record {options.record}: {recorder.missing} ticks are missing: {recorder.trouble}"
-        )
+        lacking = f"--record {options.record}: {recorder.missing} ticks are missing: {recorder.trouble}"
+        say("operator", lacking)
     if options.result is not None:
         path, result = options.result, _result(node, outcome, course, controller)
+        result = msgspec.structs.replace(result, recording_trouble=lacking)
         survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("operator", line))
     say("operator", "finished" if outcome.finished else "ended before the last target")
     return 0 if outcome.finished else 1

@@ -95,5 +95,7 @@ def conclude(
     )
     if results.operator is not None and results.operator.notice:
         console.print(results.operator.notice, style="yellow", markup=False)
+    if results.operator is not None and results.operator.recording_trouble:
+        console.print(results.operator.recording_trouble, style="yellow", markup=False)
     print_outcome(summary, folder if written else None, figure, console, as_json=as_json)
     return summary.exit_code

@@ -71,6 +71,15 @@ def read_choice(
     return NetworkChoice(**{name: read_way(text) for name, text in texts.items() if text is not None})
 
 
+def left_open(scenario: Scenario, choice: NetworkChoice) -> list[str]:
+    """The directions of which neither the choice nor the scenario says anything."""
+    return [
+        direction
+        for direction in ("uplink", "downlink")
+        if choice.of(direction) is None and getattr(scenario.network, direction) is None
+    ]
+
+
 def choose_network(
     scenario: Scenario, choice: NetworkChoice = NOTHING_SAID, *, default: str = "none", where: str = ""
 ) -> Network:

@@ -4,6 +4,9 @@ from farhand.common.messages.report import ControlReport
 from farhand.robot_side.result import RobotResult
 from farhand.runs.run import Run
 
+INTERRUPTED = "interrupted"
+"""A run that a person ended."""
+
 
 def unfinished(last: ControlReport | None, run: Run) -> str:
     """Why a task was not finished, by the operator's newest report."""

@@ -50,13 +50,13 @@ class CsvLog:
     def __init__(self, path: str | Path) -> None:
         self.trouble = ""
         try:
-            self._file: io.TextIOWrapper = open(path, "w", buffering=_BUFFER, encoding="utf-8")  # noqa: SIM115
-            self._file.write(COLUMNS + "\n")
+            self._file: io.TextIOWrapper = open(path, "w", encoding="utf-8")  # noqa: SIM115
         except OSError as error:
             raise InputError(f"log {path}: cannot be written: {error.strerror}") from None
         self._origin_ns: int | None = None
         self._taken = 0
         self._unwritten = 0
+        self._lines, self._size = [COLUMNS], 0  # not written yet
         self._rows: Handoff[_Row] = Handoff(self._write, "message-log", WAITING_ROWS)
 
     @property
@@ -95,10 +95,11 @@ class CsvLog:
     def close(self) -> None:
         """Write the rest; never raises, `missing` and `trouble` tell."""
         self._rows.close()
+        self._flush()
         try:
             self._file.close()
         except OSError as error:
-            self._fail(error)
+            self._fail(error, 1)
 
     def _write(self, row: _Row) -> None:
         direction, key, ordinal, is_copy, *rest = row
@@ -107,13 +108,24 @@ class CsvLog:
             return
         key = key.replace(",", "_").replace("\n", "_")
         cells = (direction, key, ordinal, int(is_copy), *rest)
-        try:
-            self._file.write(",".join(map(str, cells)) + "\n")
-        except OSError as error:
-            self._fail(error)
+        self._lines.append(",".join(map(str, cells)))
+        self._size += len(self._lines[-1])
+        if self._size >= _BUFFER:
+            self._flush()
 
-    def _fail(self, error: OSError) -> None:
-        self._unwritten += 1
+    def _flush(self) -> None:
+        """Write what waits; where that fails, all of it counts as missing."""
+        lines, self._lines, self._size = self._lines, [], 0
+        if not lines or self._unwritten:
+            return
+        try:
+            self._file.write("\n".join(lines) + "\n")
+            self._file.flush()
+        except OSError as error:
+            self._fail(error, len(lines) - (lines[0] == COLUMNS))
+
+    def _fail(self, error: OSError, rows: int) -> None:
+        self._unwritten += rows
         self.trouble = f"it cannot be written: {error.strerror or error}"
 
 

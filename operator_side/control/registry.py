@@ -46,14 +46,6 @@ def make_controller(settings: ControllerSettings) -> "Controller":
     return made(f"controller {settings.kind!r}", lambda: kind(settings))
 
 
-def prepare(controller: "Controller") -> None:
-    """Compile and warm up a controller and the check behind it; raises InputError where it cannot."""
-    from farhand.operator_side.control.checks import body
-
-    made(f"controller {type(controller).__name__}", controller.prepare)
-    body.prepare()
-
-
 def make_mpc(settings: ControllerSettings) -> "Controller":
     """MPC-CBF by the solver that the settings name."""
     try:

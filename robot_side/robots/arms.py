@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,11 +12,15 @@ from farhand.common.errors import InputError, ScenarioError
 from farhand.common.geometry import Array
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.capsules import read_capsules
-from farhand.robot_side.arm.model import ArmModel, assemble, model
+from farhand.robot_side.arm.catalogue import ARMS, nearest
+from farhand.robot_side.arm.model import ArmModel, assemble, model, read_known
 from farhand.robot_side.arm.srdf import Semantics, read_srdf
 from farhand.robot_side.arm.tool import with_tool
 from farhand.robot_side.arm.urdf import Chain, read_urdf, tool_frame_of
 from farhand.robot_side.robots.settings import RobotSettings, ToolSettings, wrong_length
+
+if TYPE_CHECKING:
+    from farhand.robot_side.arm.fitting.arm import FittedArm
 
 FIT_SEED = 1
 """Of the configurations in which overlaps of fitted capsules are counted."""
@@ -26,8 +31,12 @@ def chosen_arm(settings: RobotSettings) -> ArmModel:
 
     Raises ScenarioError when a file cannot be used, or what is said of the arm does not fit it; the key is named.
     """
-    arm = _named(settings) if settings.known_model else _from_settings(settings)
-    _check_length("joints", settings.joints, arm.title, arm.n)
+    try:
+        arm = _named(settings) if settings.known_model else _from_settings(settings)
+    except InputError as error:
+        raise ScenarioError(f"robot: {error}") from None
+    if settings.joints is not None and len(settings.joints) != arm.n:
+        raise ScenarioError("robot: " + wrong_length("joints", len(settings.joints), arm.title, arm.n))
     if settings.tool is not None:
         arm = _holding(arm, settings.tool)
     most = np.minimum(arm.max_acceleration, settings.max_joint_acceleration)
@@ -53,25 +62,30 @@ def model_from_files(
     Raises InputError in one line that names the file.
     """
     chain, frame, semantics = read_arm(urdf, srdf, tool_frame)
-    at_home = semantics.home(chain.joint_names) if home is None else np.array(home, dtype=float)
+    at_home = _home(chain, semantics, home)
     if at_home is None:
         raise InputError(
             f"URDF {urdf}: no home: set robot.home, {len(chain.joint_names)} angles, or an SRDF with one"
         )
-    _check_length("home", at_home, chain.name, len(chain.joint_names))
-    outside = np.flatnonzero((at_home < chain.lower) | (at_home > chain.upper))
-    if outside.size:
-        joint = chain.joint_names[int(outside[0])]
-        raise InputError(f"URDF {urdf}: home: joint {joint!r} would stand outside of its limits")
-    if capsules is not None:
-        fitted = read_capsules(capsules)
-    else:
-        from farhand.robot_side.arm.fitting.arm import fit_arm
-
-        rng = stream(FIT_SEED, "arm fit")
-        fitted = fit_arm(chain, frame, semantics.never_colliding, at_home, rng).file
+    fitted = _fitted(chain, frame, semantics, at_home).file if capsules is None else read_capsules(capsules)
     arm = assemble(chain, frame, semantics.never_colliding, fitted)
     return dataclasses.replace(arm, home=at_home)
+
+
+def fit_known(name: str) -> "FittedArm":
+    """Capsules fitted anew to an arm that is known by name; raises InputError."""
+    if name not in ARMS:
+        raise InputError(f"--model {name!r}: no such arm; {nearest(name, ARMS)}")
+    known = ARMS[name]
+    chain, semantics = read_known(known)
+    return _fitted(chain, known.tool_frame, semantics, np.array(known.home))
+
+
+def fit_files(urdf: Path, srdf: Path | None, tool_frame: str, home: Sequence[float] | None) -> "FittedArm":
+    """Capsules fitted to any arm; see model_from_files. Without a home, overlaps are looked for amid its limits."""
+    chain, frame, semantics = read_arm(urdf, srdf, tool_frame)
+    at_home = _home(chain, semantics, home)
+    return _fitted(chain, frame, semantics, (chain.lower + chain.upper) / 2.0 if at_home is None else at_home)
 
 
 def read_arm(urdf: Path, srdf: Path | None, tool_frame: str) -> tuple[Chain, str, Semantics]:
@@ -84,23 +98,33 @@ def read_arm(urdf: Path, srdf: Path | None, tool_frame: str) -> tuple[Chain, str
     return chain, frame, semantics
 
 
+def _fitted(chain: Chain, tool_frame: str, semantics: Semantics, home: Array) -> "FittedArm":
+    from farhand.robot_side.arm.fitting.arm import (
+        fit_arm,  # scipy's optimisers and meshes: only where asked for
+    )
+
+    rng = stream(FIT_SEED, "arm fit")
+    return fit_arm(chain, tool_frame, semantics.never_colliding, home, rng)
+
+
+def _home(chain: Chain, semantics: Semantics, given: Sequence[float] | None) -> Array | None:
+    """The configuration that is given, else the SRDF's; None: there is none."""
+    if given is None:
+        return semantics.home(chain.joint_names)
+    if len(given) != len(chain.joint_names):
+        raise InputError(wrong_length("home", len(given), chain.name, len(chain.joint_names)))
+    return _within(given, chain)
+
+
 def _named(settings: RobotSettings) -> ArmModel:
-    try:
-        arm = model(settings.known_model)
-    except InputError as error:
-        raise ScenarioError(f"robot.model: {error}") from None
-    if settings.home is None:
-        return arm
-    return dataclasses.replace(arm, home=_within(settings.home, arm))
+    arm = model(settings.known_model)
+    return arm if settings.home is None else dataclasses.replace(arm, home=_within(settings.home, arm))
 
 
 def _from_settings(settings: RobotSettings) -> ArmModel:
     files = [Path(each) if each else None for each in (settings.urdf, settings.srdf, settings.capsules)]
     stamps = tuple(_changed_ns(each) for each in files)
-    try:
-        return _cached(tuple(files), stamps, settings.tool_frame or "", settings.home)
-    except InputError as error:
-        raise ScenarioError(f"robot: {error}") from None
+    return _cached(tuple(files), stamps, settings.tool_frame or "", settings.home)
 
 
 @lru_cache(maxsize=8)
@@ -129,16 +153,9 @@ def _holding(arm: ArmModel, tool: ToolSettings) -> ArmModel:
         raise ScenarioError(f"robot.tool: {error}") from None
 
 
-def _within(home: Sequence[float], arm: ArmModel) -> Array:
-    at_home = np.array(home)
+def _within(home: Sequence[float], arm: ArmModel | Chain) -> Array:
+    at_home = np.array(home, dtype=float)
     outside = np.flatnonzero((at_home < arm.lower) | (at_home > arm.upper))
     if outside.size:
-        raise ScenarioError(
-            f"robot.home: {arm.joint_names[int(outside[0])]} would stand outside of its limits"
-        )
+        raise InputError(f"home: {arm.joint_names[int(outside[0])]} would stand outside of its limits")
     return at_home
-
-
-def _check_length(key: str, given: Sequence[float] | Array | None, title: str, joints: int) -> None:
-    if given is not None and len(given) != joints:
-        raise ScenarioError("robot." + wrong_length(key, len(given), title, joints))

@@ -18,7 +18,6 @@ File = Annotated[str, Meta(min_length=1, max_length=4096)]
 FILES = ("urdf", "srdf", "capsules")
 """Settings that name a file."""
 _NO_ARMS = ("box", "point")
-_OF_ARMS = ("model", "urdf", "srdf", "capsules", "tool_frame", "home", "tool")
 
 
 def wrong_length(key: str, given: int, title: str, joints: int) -> str:
@@ -80,13 +79,13 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         """Raise ValueError where an arm is not named, named twice or not known."""
-        if self.kind in _NO_ARMS:
-            said = [key for key in _OF_ARMS if getattr(self, key) is not None]
-            if said:
-                raise ValueError(f"{said[0]}: is for an arm, not for kind {self.kind!r}")
+        if self.kind in _NO_ARMS and self.tool is not None:
+            raise ValueError(f"tool: is for an arm, not for kind {self.kind!r}")
         if self.kind == "ur5" and (self.urdf is not None or self.model not in (None, "ur5")):
             raise ValueError("kind 'ur5' is the arm of that name; for another set kind = 'arm'")
-        if self.kind == "arm" and (self.model is None) == (self.urdf is None):
+        if self.kind == "arm" and self.model is not None and self.urdf is not None:
+            raise ValueError("model and urdf name two arms; give one of them")
+        if self.kind == "arm" and self.model is None and self.urdf is None:
             raise ValueError(f"kind 'arm' needs model, one of {', '.join(ARMS)}, or urdf, a file")
         if self.kind in ("arm", "ur5"):
             self._check_known()

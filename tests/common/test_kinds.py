@@ -126,3 +126,24 @@ def test_a_name_that_nobody_can_write_is_no_kind_and_disturbs_no_other(outside, 
     assert found.names() == ("base", "heavy", "mine")
     assert found.get("mine").__name__ == "Mine"
     assert name not in found
+
+
+def test_a_script_adds_a_kind_of_its_own(outside):
+    outside(point("theirs", f"{__name__}:Mine"))
+    found = kinds()
+    found.add("own", Mine)
+    assert "own" in found
+    assert found.get("own") is Mine
+    assert found.names() == ("base", "heavy", "own", "theirs")
+    assert found.is_outside("own")
+    found.add("own", Base)  # a notebook's cell that runs again
+    assert found.get("own") is Base
+    for name, kind, line in [
+        ("base", Mine, "there already"),
+        ("theirs", Mine, "there already"),
+        ("no name", Mine, "1 to 64 letters"),
+        ("other", Other, "no subclass of Base"),
+        ("made", Mine(), "no subclass of Base"),
+    ]:
+        with pytest.raises(InputError, match=f"thing '{name}'.*{line}"):
+            found.add(name, kind)

@@ -339,3 +339,16 @@ def test_the_sphere_around_the_tool_is_the_robots():
         bench.robot(bench.tick(), mode="hold")
         clear[radius] = bench.tick().velocity[0]
     assert clear[0.45] < clear[0.1] - 0.05
+
+
+def test_a_target_that_another_operator_reaches_is_none_of_ours():
+    bench = Bench()
+    bench.robot(holder=ME + 1, holder_name="other", position=(1.0, 0.0, 0.6))
+    bench.describe()
+    bench.link.feed(scene(0, targets=((1.0, 0.0, 0.6),), t_sent_ns=77), bench.now)
+    bench.tick()
+    assert bench.node.waits
+    assert (bench.node.report.target_index, bench.node.finished) == (0, False)
+    bench.robot(holder=ME, position=(1.0, 0.0, 0.6))
+    bench.tick()
+    assert bench.node.finished

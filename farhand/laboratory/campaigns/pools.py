@@ -6,6 +6,7 @@ import os
 import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
+from multiprocessing import resource_tracker
 from typing import Any
 
 from farhand.common.errors import InputError
@@ -49,6 +50,7 @@ class LocalPool(Pool):
         """See Pool."""
         context = multiprocessing.get_context("spawn")
         count = workers or self.workers
+        _shield_the_tracker()
         executor = ProcessPoolExecutor(
             count, mp_context=context, initializer=_start_worker, initargs=(os.getpid(),)
         )
@@ -103,12 +105,25 @@ class DaskPool(Pool):
             client.close()
 
 
+def _shield_the_tracker() -> None:
+    """Have multiprocessing's resource tracker outlive a SIGHUP to the process group, as it outlives Ctrl-C.
+
+    It inherits what is blocked here. One that dies is started anew, knows of nothing, and fills the terminal with that.
+    """
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+
 def _start_worker(parent: int) -> None:
     """In a new process: the parent alone answers Ctrl-C, its death ends this one; import and compile once."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ[PARENT_VARIABLE] = str(parent)
     die_with_parent()
-    from farhand.operator_side.control.registry import make_controller, prepare
+    from farhand.operator_side.control.registry import make_controller
     from farhand.operator_side.control.settings import ControllerSettings
+    from farhand.operator_side.prepare import prepare
 
     prepare(make_controller(ControllerSettings()))

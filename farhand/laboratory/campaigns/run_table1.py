@@ -85,6 +85,15 @@ def run_with_progress(
                 bar.advance(line)
 
             rows = run_campaign(jobs, store, pool, advance)
+    except KeyboardInterrupt:
+        there = len(jobs) - len(store.missing(jobs))
+        console.print(
+            f"interrupted: {there} of {len(jobs)} runs are kept in {store.folder}; the same with --out {store.folder} "
+            "goes on",
+            markup=False,
+            highlight=False,
+        )
+        raise
     finally:
         keep(store.folder / TABLE, lambda _: store.write_table(store.ordered(jobs)), console)
         store.close()

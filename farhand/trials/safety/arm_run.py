@@ -227,7 +227,7 @@ def run_arm(seed: int, case: Case, settings: GuardSettings) -> Outcome:
         tool = kinematics.tool(body.q)
         twist = adversary.command()
         commanded = guard.command(
-            body.q, commanded, np.ascontiguousarray(twist[:3]), np.ascontiguousarray(twist[3:]), wanted,
+            body.q, body.qd, commanded, np.ascontiguousarray(twist[:3]), np.ascontiguousarray(twist[3:]), wanted,
             seen.table(now_ns),
         )  # fmt: skip
         busy += guard.did is not None

@@ -7,7 +7,7 @@ import numpy as np
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
-from farhand.robot_side.arm.capsules import CapsuleFile, FittedCapsule
+from farhand.robot_side.arm.capsules import CapsuleFile, FittedCapsule, capsule_text
 from farhand.robot_side.arm.fitting.body import Body, bodies
 from farhand.robot_side.arm.fitting.excess import excess
 from farhand.robot_side.arm.fitting.fit import Capsule, fit
@@ -67,6 +67,17 @@ class FittedArm:
 
     links: tuple[FittedLink, ...]
     overlaps: tuple[Overlap, ...]
+
+    @property
+    def outside(self) -> float:
+        """How far the vertex that sticks out most does (m); not above 0."""
+        return max(each.outside for each in self.links)
+
+    def text(self, source: str) -> str:
+        """What is kept, as TOML; `source` are the options that the arm was chosen with."""
+        return capsule_text(
+            self.file, [f"Fitted by `farhand arm fit {source}`. Lengths in m, in the links' own frames."]
+        )
 
     @property
     def file(self) -> CapsuleFile:
@@ -134,11 +145,11 @@ def _halves(body: Body, capsule: Capsule) -> Iterator[tuple[Body, Body]]:
     body = body.hull()
     if body.radii.any():
         return  # balls are not cut
-    principal = np.linalg.svd(body.points - body.points.mean(axis=0), full_matrices=True)[2]
     along = capsule.b - capsule.a
-    directions = [principal[0], principal[1]]
     if np.linalg.norm(along) > capsule.radius / 2.0:
-        directions.append(along / np.linalg.norm(along))
+        directions = [along / np.linalg.norm(along)]
+    else:
+        directions = list(np.linalg.svd(body.points - body.points.mean(axis=0), full_matrices=False)[2][:2])
     for direction in directions:
         heights = body.points @ direction
         low, high = float(heights.min()), float(heights.max())

@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 
-import coal
 import numpy as np
 
 from farhand.common.geometry import Array
+from farhand.common.shapes.hull import Hull, NoHullError, hull_of
 from farhand.robot_side.arm.fitting.body import Body
 from farhand.robot_side.arm.fitting.fit import Capsule
 
-_SAMPLES = 1500
+_SAMPLES = 1000
+THIN = 1e-4
+"""What a sheet is thickened by (m)."""
 
 
 def excess(capsule: Capsule, others: Sequence[Capsule], body: Body) -> Array:
@@ -24,14 +26,7 @@ def excess(capsule: Capsule, others: Sequence[Capsule], body: Body) -> Array:
     for other in others:
         points = points[other.distances(points) > other.radius]
     hull = _hull(body)
-    point, origin, place = coal.Sphere(0.0), coal.Transform3s(), coal.Transform3s()
-    request, result = coal.DistanceRequest(), coal.DistanceResult()
-    found = np.empty(len(points))
-    for index, position in enumerate(points):
-        place.setTranslation(position)
-        result.clear()
-        found[index] = coal.distance(hull, origin, point, place, request, result)
-    return np.maximum(found, 0.0)
+    return np.array([max(hull.distance(*point), 0.0) for point in points.tolist()])
 
 
 def surface(capsule: Capsule, count: int) -> Array:
@@ -51,10 +46,14 @@ def surface(capsule: Capsule, count: int) -> Array:
     return points
 
 
-def _hull(body: Body) -> coal.Convex:
-    vectors = coal.StdVec_Vec3s()
-    for centre, radius in zip(body.points, body.radii, strict=True):
-        around = surface(Capsule(centre, centre, radius), 200) if radius > 0.0 else centre[None, :]
-        for point in around:
-            vectors.append(point)
-    return coal.Convex.convexHull(vectors, False, "Qt")
+def _hull(body: Body) -> Hull:
+    around = [
+        surface(Capsule(p, p, r), 200) if r > 0.0 else p[None]
+        for p, r in zip(body.points, body.radii, strict=True)
+    ]
+    points = np.concatenate(around)
+    try:
+        return hull_of(points)
+    except NoHullError:  # a sheet
+        thick = THIN * np.concatenate([np.eye(3), -np.eye(3)])
+        return hull_of((points[:, None] + thick).reshape(-1, 3))

@@ -6,7 +6,7 @@ iff the segment reaches to within sqrt((r - c)^2 - d^2) of t. That leaves five u
 of the line, and what r has more than it must. They are searched by the simplex method from the principal axes.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -54,20 +54,13 @@ def fit(body: Body) -> Capsule:
     points = body.points - centre
     size = float(np.max(np.linalg.norm(points, axis=1) + body.radii))
     axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=True)[2]
-    candidates = []
-    for turned in (np.roll(axes, shift, axis=0) for shift in range(3)):
-        search = _Search(points, body.radii, turned, size)
-        x = np.zeros(5)
-        for _ in range(3):  # begun anew: the simplex may have collapsed short of the least
-            x = minimize(
-                search.volume,
-                x,
-                method="Nelder-Mead",
-                options={"maxiter": 1500, "xatol": 1e-5, "fatol": 1e-7},
-            ).x
-        candidates.append(search.capsule(x))
-    best = min(candidates, key=lambda capsule: capsule.volume)
-    return _rounded(Capsule(best.a + centre, best.b + centre, best.radius), body)
+    searches = [
+        _Search(points, body.radii, np.roll(axes, shift, axis=0), size, np.zeros(5)) for shift in range(3)
+    ]
+    best = min((search.searched() for search in searches), key=lambda search: search.volume(search.x))
+    best = best.searched().searched()  # begun anew: the simplex may have collapsed short of the least
+    found = best.capsule(best.x)
+    return _rounded(Capsule(found.a + centre, found.b + centre, found.radius), body)
 
 
 def _rounded(capsule: Capsule, body: Body) -> Capsule:
@@ -82,12 +75,18 @@ class _Search:
     points, radii: the balls (m, 3), (m,).
     frame: (3, 3) rows: two directions across the axis at which the search begins, and that axis last.
     size: scale of the unknowns (m).
+    x: (5,) where the search begins, or where it ended.
     """
 
     points: Array
     radii: Array
     frame: Array
     size: float
+    x: Array
+
+    def searched(self) -> "_Search":
+        options = {"maxiter": 1000, "xatol": 1e-5, "fatol": 1e-7}
+        return replace(self, x=minimize(self.volume, self.x, method="Nelder-Mead", options=options).x)
 
     def volume(self, x: Array) -> float:
         return self.capsule(x).volume / self.size**3

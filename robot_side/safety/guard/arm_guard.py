@@ -134,11 +134,20 @@ class ArmGuard:
         self.pinched = self.braked = self.failures = 0
         # compiled, or loaded, now and not in the first period
         nothing = Surroundings(np.zeros((0, COLUMNS)), np.zeros((0, 3)), ())
-        self.command(self._home, np.zeros(n), np.zeros(3), np.zeros(3), arm.tool_pose(arm.home)[0], nothing)
+        self.command(
+            self._home,
+            np.zeros(n),
+            np.zeros(n),
+            np.zeros(3),
+            np.zeros(3),
+            arm.tool_pose(arm.home)[0],
+            nothing,
+        )
 
     def command(
         self,
         q: Array,
+        actual: Array,
         previous: Array,
         v: Array,
         w: Array,
@@ -150,6 +159,7 @@ class ArmGuard:
 
         Args:
             q: (n,) joint positions (rad).
+            actual: (n,) joint velocities (rad/s).
             previous: (n,) commanded last (rad/s); may be the array that this returned.
             v, w: (3,) commanded twist of the tool, in base (m/s, rad/s).
             R_base_wanted: (3, 3) orientation that the tool keeps; is turned by as much of w as is followed.
@@ -164,7 +174,7 @@ class ArmGuard:
             self._asked[:] = asked
         status = kernel.guarded_tick(
             body.chain, self._limits, self._home, body.capsules, body.reach, body.pairs, body.slack, self._par,
-            around.rows, around.vertices, q, self._previous, v, w, R_base_wanted, self._asked, by_law,
+            around.rows, around.vertices, q, actual, self._previous, v, w, R_base_wanted, self._asked, by_law,
             self._R, self._p, self._R_tool, self._p_tool, self._J,
             self._A, self._b, self._facts, self._watched, self._qd, report,
         )  # fmt: skip

@@ -68,6 +68,29 @@ def test_commands(command, options, expected, scenario, runs):
     assert str(runs[0].network) == expected
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            [],
+            "network: the downlink is 5g-urban, the default, since only the other direction is said; --downlink none",
+        ),
+        (["--downlink", "none"], ""),
+        (["--set", "network.downlink=none"], ""),
+        (["--network", "none"], ""),
+    ],
+)
+def test_the_direction_that_nobody_says_is_told_of(options, said, scenario, runs, capsys):
+    assert run([*words("simulate", scenario), *options]) == 0
+    told = capsys.readouterr().err
+    assert said in told
+    assert bool(said) == ("the default" in told)
+    assert run([*words("simulate", "point-obstacle"), "--uplink", "none"]) == 0
+    assert "the downlink is 5g-urban, the default" in capsys.readouterr().err
+    assert run(words("simulate", "point-obstacle")) == 0
+    assert "the default" not in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", EDGES)
 def test_a_scenario_without_one_gets_the_commands_own(command, runs):
     assert run(words(command, "point-obstacle")) == 0

@@ -141,9 +141,10 @@ def quartiles(reports):
     return statistics.quantiles([r.rtt for r in reports if r.rtt is not None])
 
 
-def test_ctrl_c_ends_all_three(demo):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_ctrl_c_and_its_like_end_all_three(demo, number):
     children = demo.wait_until_it_drives()
-    demo.signal(signal.SIGINT)
+    demo.signal(number)
     assert gone(children)
     code, summary = demo.end()
     assert code == 1

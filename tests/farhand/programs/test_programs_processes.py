@@ -9,15 +9,18 @@ import numpy as np
 import pytest
 
 from farhand.common.link.link import Packet
+from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.base import SCHEMA, Echo
 from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import command_key
+from farhand.common.recording.reader import read_run
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
-from farhand.programs.command_line import OperatorWords, RobotWords
+from farhand.netem.measure.message_log import read_log
+from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
 from farhand.site.tap import run_tap
-from farhand.testing import Witness, command, echo_of
+from farhand.testing import Witness, command, echo_of, short_task
 from farhand.testing.programs import PATIENCE
 
 pytestmark = pytest.mark.realtime
@@ -88,6 +91,45 @@ def test_a_silent_operator_makes_the_robot_hold_then_stop_and_it_goes_on_after(
     result = json.loads((tmp_path / "r.json").read_text())
     assert result["stops"] == 1
     assert result["commands_received"] > 10
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_each_signal_ends_a_program_with_its_result_and_releases_what_it_holds(
+    started, endpoint, tmp_path, number
+):
+    far = str(short_task(tmp_path, [(50.0, 0.0, 0.5)]))
+    down, files = f"tcp/127.0.0.1:{free_ports(1)[0]}", {n: tmp_path / f"{n}.json" for n in ("o", "n", "r")}
+    netem = started(
+        NetemWords(
+            listen_operator=endpoint, listen_robot=down, stats=str(files["n"]), log=str(tmp_path / "log.csv")
+        )
+    )
+    robot = started(RobotWords(scenario=far, robot="r", connect=(down,), result=str(files["r"])))
+    operator = started(
+        OperatorWords(
+            scenario=far,
+            robot="r",
+            connect=(endpoint,),
+            result=str(files["o"]),
+            record=str(tmp_path / "run.mcap"),
+        )
+    )
+    witness = Witness(endpoint)
+    try:
+        witness.wait_until(lambda s: s.mode == "run" and s.velocity[0] > 0.1)
+        operator.signal(number)
+        assert operator.wait() == 1
+        assert witness.wait_until(lambda s: s.holder == 0).lease_end == "released"
+    finally:
+        witness.close()
+    for program in (robot, netem):
+        program.signal(number)
+        assert program.wait() == 0
+    assert not json.loads(files["o"].read_text())["finished"]
+    assert json.loads(files["r"].read_text())["commands_received"] > 0
+    assert json.loads(files["n"].read_text())["version"] == 1
+    assert read_run(tmp_path / "run.mcap").complete
+    assert len(read_log(tmp_path / "log.csv")) > 0
 
 
 def test_a_hostile_client_moves_nothing(started, scenario, endpoint, capsys):

@@ -1,15 +1,21 @@
 """`farhand summarise`: the folder decides, what cannot be read is told in one line, nothing heavy is loaded."""
 
+import errno
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+from farhand.runs.console import page
 
 from farhand.cli import run
 from farhand.common.result_file import write_result
 from farhand.operator_side.result import OperatorResult
 from farhand.robot_side.result import RobotResult
+from farhand.runs.conclude import conclude
+from farhand.runs.run import Run
+from farhand.runs.scenario import load_scenario
 
 HEAVY = ["zenoh", "pybullet", "pinocchio", "casadi", "numba", "daqp"]
 
@@ -55,3 +61,40 @@ def test_it_loads_neither_a_link_nor_a_solver_nor_a_robot(folder):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert json.loads(done.stdout.splitlines()[-1]) == [0, []]
+
+
+def test_results_in_memory_are_summarised_though_the_folder_is_full(
+    folder, tmp_path_factory, monkeypatch, capsys
+):
+    """As the demo does it: its programs leave their results elsewhere."""
+    full = tmp_path_factory.mktemp("full")
+    write = Path.write_bytes
+
+    def no_space(path, data):
+        if full in path.parents:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(path, data)
+
+    monkeypatch.setattr(Path, "write_bytes", no_space)
+    scenario = load_scenario("point-obstacle")
+    told = page(stderr=True)
+    assert conclude(Run.over(scenario), full, told, why="", as_json=True, left_in=folder) == 0
+    captured = capsys.readouterr()
+    assert json.loads(captured.out)["safe"]
+    assert json.loads(captured.out)["duration"] == 2.0
+    said = " ".join(captured.err.split())
+    for name in ("robot.json", "operator.json", "summary.json"):
+        assert f"{name}: cannot be written: No space left on device" in said
+    assert "Traceback" not in said
+    assert "results in" not in said
+    assert not (full / "summary.json").exists()
+
+
+def test_what_the_recording_lacks_is_said_at_the_end(folder, capsys):
+    lacking = "--record run.mcap: 7 ticks are missing: it cannot be written: No space left on device"
+    write_result(
+        OperatorResult(finished=True, solver="newton", duration=2.0, recording_trouble=lacking),
+        folder / "operator.json",
+    )
+    assert run(["summarise", str(folder), "--scenario", "point-obstacle"]) == 0
+    assert lacking in " ".join(capsys.readouterr().out.split())

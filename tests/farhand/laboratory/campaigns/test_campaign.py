@@ -1,10 +1,13 @@
 """Campaigns: they go on where they stopped, outlive crashes, and give the same bytes however they are run."""
 
+import errno
 import json
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import msgspec
@@ -148,3 +151,68 @@ def test_the_pool_stops_and_keeps_what_is_finished_when_interrupted(tmp_path, jo
     assert len(kept) == 1
     assert json.loads(kept[0])["key"] == jobs[0].key
     assert multiprocessing.active_children() == []
+
+
+class Full:
+    """A stream on a disk that fills up after some rows."""
+
+    def __init__(self, stream, rows):
+        self.stream, self.left, self.close = stream, rows, stream.close
+
+    def write(self, text):
+        if self.left == 0:
+            self.stream.write(text[:10])
+            raise OSError(errno.ENOSPC, "No space left on device")
+        self.left -= 1
+        self.stream.write(text)
+
+    def flush(self):
+        self.stream.flush()
+
+
+def test_a_full_disk_costs_going_on_and_not_the_campaign(tmp_path, jobs):
+    store = Store(tmp_path, ABOUT)
+    store._stream = Full(store._stream, 2)
+    rows = run_campaign(jobs, store, LocalPool(1), chunk=3)
+    assert [row.key for row in rows] == [job.key for job in jobs]
+    assert store.write_table(rows).exists()
+    store.close()
+    assert (
+        "rows.jsonl: cannot be written: No space left on device; such a campaign cannot go on"
+        in store.trouble
+    )
+    again = Store(tmp_path, ABOUT)  # half a line at the end is dropped
+    assert len(again.rows) == 2
+    again.close()
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_to_the_group_ends_a_campaign_in_one_line(tmp_path, number):
+    """As a terminal sends it that is closed: to the workers and to the resource tracker of Python as well."""
+    command = [
+        sys.executable,
+        "-m",
+        "farhand",
+        "table1",
+        "--tasks",
+        "40",
+        "--workers",
+        "2",
+        "--out",
+        str(tmp_path),
+    ]
+    with subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as program:
+        rows, pause, waited = tmp_path / ROWS, threading.Event(), 0
+        while not (rows.exists() and rows.stat().st_size) and waited < 600:
+            pause.wait(0.1)
+            waited += 1
+        os.killpg(program.pid, number)
+        out, errors = program.communicate(timeout=60)
+    assert program.returncode == 130
+    assert errors == ""
+    kept = len(rows.read_text().splitlines())
+    assert f"interrupted: {kept} of 480 runs are kept in" in " ".join(out.split())
+    assert len((tmp_path / "tasks.csv").read_text().splitlines()) == kept + 1

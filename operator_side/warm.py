@@ -1,10 +1,11 @@
-"""Compile the solver into the cache: `python -m farhand.operator_side.control.warm`."""
+"""Compile the solver into the cache: `python -m farhand.operator_side.warm`."""
 
 import sys
 
 from farhand.common.timing.clock import processor_seconds
-from farhand.operator_side.control.registry import make_controller, prepare
+from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.control.settings import ControllerSettings
+from farhand.operator_side.prepare import prepare
 
 
 def main() -> int:
