@@ -5,7 +5,7 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.arm.velocity_control import SINGULAR_BELOW
+from farhand.robot_side.kernel.velocity import SINGULAR_BELOW
 
 SLOW = 0.005
 """Who wants less than this (m/s) is held by nothing."""

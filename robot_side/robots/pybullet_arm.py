@@ -12,10 +12,10 @@ from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Array, Twist, to_vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
+from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
-from farhand.robot_side.arm.orientation import OrientationReference
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
 from farhand.robot_side.robots.arms import chosen_arm
 from farhand.robot_side.robots.bullet import connect, quiet
@@ -121,11 +121,11 @@ class ArmRobot(ArmWorld, Robot):
         bounds = JointBounds(arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration)
         down = self.kinematics.R_base_tool_down
         self.control: VelocityControl = (
-            DirectionKeeping(bounds, down)
+            DirectionKeeping(bounds, down, arm.home)
             if scenario.robot.velocity_control == "direction"
             else DampedLeastSquares(bounds, arm.max_velocity, down)
         )
-        self._orientation = OrientationReference(down)
+        self._chain = ArmChain(arm)
         self._commanded: Array = np.zeros(arm.n)
         self._wanted: Array = np.zeros(3)
         self._forces = arm.max_torque.tolist()
@@ -160,8 +160,6 @@ class ArmRobot(ArmWorld, Robot):
             self._dt = dt
             bullet.setTimeStep(dt, physicsClientId=client)
         self._wanted, omega = np.array(twist.linear), np.array(twist.angular)
-        self._orientation.turn(omega, self._tool.R_base_tool, dt)
-        self.control.R_base_wanted = self._orientation.R_base_wanted
         self._commanded = self.control.joint_velocity(
             self._q, self._commanded, self._tool, self._wanted, dt, omega
         )
@@ -203,7 +201,7 @@ class ArmRobot(ArmWorld, Robot):
         states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)
         self._q = np.array([state[0] for state in states])
         self._qd = np.array([state[1] for state in states])
-        self._tool = self.kinematics.tool(self._q)
+        self._tool = self._chain.at(self._q)
 
 
 def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:

@@ -9,8 +9,7 @@ from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import model
-from farhand.robot_side.arm.orientation import LEAD, OrientationReference
-from farhand.robot_side.arm.velocity_control import DirectionKeeping, singular_value_gradient
+from farhand.robot_side.arm.velocity_control import DirectionKeeping
 from farhand.robot_side.robots.pybullet_arm import ArmRobot
 from farhand.runs.scenario import load_scenario, replace_setting
 
@@ -132,21 +131,10 @@ def test_the_tool_turns_as_commanded_while_it_moves_and_keeps_what_it_was_turned
     for _ in range(1000):
         robot.step(Twist(), DT)
     turn = turn_between(before, robot.sample().orientation)
-    assert turn == pytest.approx(angular, abs=2e-3)  # for 1 s
+    assert turn == pytest.approx(angular, abs=5e-3)  # for 1 s, less what it took to set in
     assert np.array(robot.sample().position) - start == pytest.approx(linear, abs=2e-3)
     assert np.abs(robot.sample().angular_velocity).max() < 1e-3
     robot.close()
-
-
-def test_an_arm_that_cannot_follow_does_not_wind_its_orientation_up():
-    reference = OrientationReference(np.eye(3))
-    for _ in range(1000):
-        reference.turn(np.array([0.0, 0.0, 1.0]), np.eye(3), 0.01)
-    lead = rotation_error(reference.R_base_wanted, np.eye(3))
-    assert lead == pytest.approx((0.0, 0.0, LEAD))
-    kept = reference.R_base_wanted
-    reference.turn(np.zeros(3), np.eye(3), 0.01)
-    assert reference.R_base_wanted is kept
 
 
 LEAVING = [
@@ -171,14 +159,3 @@ def test_the_edge_of_reach_is_left_at_once(there, back):
     robot.close()
     assert moved @ direction > 0.1  # within 0.7 s; at full speed 0.2
     assert np.linalg.norm(moved - (moved @ direction) * direction) < 0.002
-
-
-def test_the_gradient_of_the_smallest_singular_value():
-    kinematics, rng = Kinematics(UR5), stream(4, "configurations")
-    smallest = lambda q: np.linalg.svd(kinematics.tool(q).jacobian, compute_uv=False)[-1]  # noqa: E731
-    for _ in range(20):
-        q = rng.uniform(-2.0, 2.0, 6)
-        U, _, Vt = np.linalg.svd(kinematics.tool(q).jacobian)
-        found = singular_value_gradient(kinematics.tool(q).jacobian, U[:, -1], Vt[-1])
-        steps = 1e-6 * np.eye(6)
-        assert found == pytest.approx([(smallest(q + s) - smallest(q - s)) / 2e-6 for s in steps], abs=1e-6)
