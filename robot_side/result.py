@@ -15,6 +15,21 @@ class Lateness(msgspec.Struct, frozen=True, kw_only=True):
     realtime_priority: bool
 
 
+class GuardedPair(msgspec.Struct, frozen=True, kw_only=True):
+    """A part of the robot and an obstacle (or another part) for whose sake the guard acted.
+
+    Attributes:
+        part, obstacle: their names.
+        seconds: for how long (s).
+        distance: the least meanwhile (m).
+    """
+
+    part: str
+    obstacle: str
+    seconds: float
+    distance: float
+
+
 class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
     """What the robot counted and measured; all of it stands in a run's summary, too.
 
@@ -29,6 +44,10 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
         stops: latched stops.
         holds: changes from RUN to HOLD.
         longest_silence: longest time without a command of the one in control, until it released it (s).
+        guarded: whether the guard was on.
+        guard_times: how often it began to do something, half a second after it last did.
+        guard_seconds: for how long it did something (s).
+        guard_deeds: the same by what it did: slowed, turned, evading, braking (s).
         lateness: of the loop; None in virtual time.
     """
 
@@ -43,6 +62,10 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
     stops: int
     holds: int = 0
     longest_silence: float = 0.0
+    guarded: bool = False
+    guard_times: int = 0
+    guard_seconds: float = 0.0
+    guard_deeds: dict[str, float] = msgspec.field(default_factory=dict)
     lateness: Lateness | None = None
 
 
@@ -58,6 +81,7 @@ class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", t
         nearest_obstacle: to which the tool's sphere came nearest; empty without obstacles.
         nearest_part, nearest_to_arm: the part of the arm that came nearest to an obstacle, and that obstacle;
             empty where not computed.
+        guard_pairs: for the sake of what the guard acted, longest first.
         trajectory: (t, x, y, z, clearance) at 50 Hz at most; s since the first tick, m.
     """
 
@@ -71,4 +95,5 @@ class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", t
     nearest_obstacle: str = ""
     nearest_part: str = ""
     nearest_to_arm: str = ""
+    guard_pairs: list[GuardedPair] = msgspec.field(default_factory=list)
     trajectory: list[tuple[float, float, float, float, float]] = msgspec.field(default_factory=list)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import msgspec
 
-from farhand.common.geometry import STILL
+from farhand.common.geometry import STILL, Twist
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.codec import encode
@@ -25,11 +25,13 @@ from farhand.common.messages.state import RobotState
 from farhand.common.shapes.distance import nearest_obstacle
 from farhand.common.timing.periodic import Periodic
 from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
-from farhand.robot_side.result import RobotResult
+from farhand.robot_side.result import GuardedPair, RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.run_statistics import RunStatistics
 from farhand.robot_side.safety.command_intake import CommandIntake
+from farhand.robot_side.safety.guard.tally import Tally
+from farhand.robot_side.safety.guard.tool_guard import ToolGuard
 from farhand.robot_side.safety.watchdog import Watchdog
 
 SECOND_NS = 1_000_000_000
@@ -74,6 +76,13 @@ class RobotNode:
         self._statistics = RunStatistics(settings.rate_hz)
         self._stepped = 0
         self._nearest_part = "", ""
+        self._guarded = scenario.guard.on
+        self._guard: ToolGuard | None = None
+        if self._guarded and not robot.guards_itself:
+            self._guard = ToolGuard(
+                scenario.guard, settings.radius, settings.lag, self._dt, scenario.safety.max_speed
+            )
+        self._tally = Tally(self._dt)
         self.watchdog = Watchdog(scenario.safety, session)
         self.intake = CommandIntake(name, self.watchdog)
 
@@ -125,9 +134,21 @@ class RobotNode:
             nearest_obstacle=self._nearest_obstacle(),
             nearest_part=self._nearest_part[0],
             nearest_to_arm=self._nearest_part[1],
+            guarded=self._guarded,
+            guard_times=self._tally.times,
+            guard_seconds=self._tally.seconds,
+            guard_deeds=dict(self._tally.deeds),
+            guard_pairs=self._guard_pairs(),
             changes=[(c.t_ns, c.mode, c.reason) for c in watchdog.changes],
             trajectory=statistics.trajectory,
         )
+
+    def _guard_pairs(self) -> list[GuardedPair]:
+        pairs = [
+            GuardedPair(part=part, obstacle=obstacle, seconds=seconds, distance=distance)
+            for (part, obstacle), (seconds, distance) in self._tally.pairs.items()
+        ]
+        return sorted(pairs, key=lambda pair: -pair.seconds)
 
     def _nearest_obstacle(self) -> str:
         nearest = self._statistics.nearest
@@ -154,12 +175,12 @@ class RobotNode:
             then_ns = now_ns - missed * self._period_ns
             watchdog.tick(then_ns)
             self._observe(self._field, then_ns)
-            self._move(then_ns)
+            self._move(self._field, then_ns)
         watchdog.tick(now_ns)
         self.intake.take(self._link.receive(), now_ns)
         self._note_silence(now_ns)
         self._observe(self._field, now_ns)
-        self._move(now_ns)
+        self._move(self._field, now_ns)
 
     def _note_silence(self, now_ns: int) -> None:
         """How long the one in control is silent; nobody is expected to speak after a release."""
@@ -175,10 +196,27 @@ class RobotNode:
         self._clearance = field.clearance(sample.position, self._radius, now_ns)
         self._statistics.add(now_ns, sample.position, self._clearance)
 
-    def _move(self, now_ns: int) -> None:
+    def _move(self, field: ObstacleField, now_ns: int) -> None:
         # The one place between what the operator may ask for and what the robot does.
-        self._robot.step(self.watchdog.twist(now_ns), self._dt)
+        twist = self.watchdog.twist(now_ns)
+        if not self._guarded:
+            self._robot.step(twist, self._dt)
+        elif self.watchdog.mode in ("stopped", "estop"):
+            self._robot.halt(self._dt)
+        else:
+            self._move_guarded(twist, field, now_ns)
         self._stepped += 1
+
+    def _move_guarded(self, twist: Twist, field: ObstacleField, now_ns: int) -> None:
+        around, guard = field.table(now_ns), self._guard
+        if guard is None:
+            self._robot.step(twist, self._dt, around)
+            did = self._robot.intervention()
+        else:
+            sample = self._sample
+            self._robot.step(guard.allow(sample.position, sample.velocity, twist, around), self._dt)
+            did = guard.did
+        self._tally.add(did, now_ns)
 
     def _stand_still(self, error: Exception, now_ns: int) -> None:
         """Latch a stop, and still try to brake."""
@@ -240,6 +278,7 @@ class RobotNode:
             received=self.intake.arrived,
             stops=watchdog.stops,
             held_by=self._held_by(now_ns),
+            guard=self._tally.take() or msgspec.UNSET,
         )
         self._state_seq += 1
         self._link.send(Packet(state_key(self._name), encode(state)))

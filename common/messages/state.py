@@ -17,6 +17,7 @@ from farhand.common.messages.base import (
     Text,
     Vector3,
 )
+from farhand.common.messages.intervention import Intervention
 
 MAX_JOINTS = 16
 MAX_WAITING = 4
@@ -50,6 +51,7 @@ class RobotState(Message, frozen=True, kw_only=True):
         refused: commands refused so far, by reason.
         received: command messages that arrived so far, whatever became of them.
         stops: times the watchdog left `run` for a stop.
+        guard: what the guard did since the last state, the newest; left out where nothing.
         held_by: what keeps the robot from following its command, such as a joint's limit; left out where nothing
             does.
     """
@@ -76,3 +78,4 @@ class RobotState(Message, frozen=True, kw_only=True):
     received: Stamp = 0
     stops: Stamp = 0
     held_by: NameOrNone | msgspec.UnsetType = msgspec.UNSET
+    guard: Intervention | msgspec.UnsetType = msgspec.UNSET

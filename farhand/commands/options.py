@@ -45,6 +45,12 @@ SolverOption = Annotated[
 SteerOption = Annotated[
     str | None, typer.Option(metavar=" | ".join(DEVICES.names()), help="What steers (default: scenario's).")
 ]
+GuardOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="on|off", help="The guard that keeps the whole robot clear (default: scenario's, on)."
+    ),
+]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", help="Replace a setting of the scenario, e.g. --set robot.lag=0.3."),
@@ -91,12 +97,15 @@ _KINDS: dict[str, tuple[str, Kinds[Any]]] = {
 }
 
 
-def chosen_scenario(name: str, settings: list[str] | None, **kinds: str | None) -> "Scenario":
+def chosen_scenario(
+    name: str, settings: list[str] | None, *, guard: str | None = None, **kinds: str | None
+) -> "Scenario":
     """The scenario with the options' replacements, judged together.
 
     Args:
         name: of the scenario, or its file.
         settings: KEY=VALUE, as said with --set; these go before the kinds.
+        guard: what --guard says: on, off; None: nothing.
         kinds: what --margin, --predictor, --solver and --steer say; None: nothing.
 
     Raises:
@@ -111,6 +120,10 @@ def chosen_scenario(name: str, settings: list[str] | None, **kinds: str | None) 
             if value not in known:
                 known.get(value, f"--{option}")
             replaced[key] = value
+    if guard is not None:
+        if guard not in ("on", "off"):
+            raise InputError(f"--guard {guard!r}: must be on or off")
+        replaced["guard.on"] = guard == "on"
     replaced.update(parse_setting(setting) for setting in settings or [])
     return replace_settings(load_scenario(name), replaced)
 

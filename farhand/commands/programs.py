@@ -7,6 +7,7 @@ import typer
 
 from farhand.commands.options import (
     ConnectOption,
+    GuardOption,
     InsecureOption,
     ListenOption,
     MarginOption,
@@ -111,6 +112,7 @@ def robot(
     connect: ConnectOption = None,
     listen: ListenOption = None,
     name: Annotated[str, typer.Option("--robot", help="Name of the robot, part of its keys.")] = "ur5",
+    guard: GuardOption = None,
     settings: SetOption = None,
     result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
     realtime: RealtimeOption = True,
@@ -118,11 +120,11 @@ def robot(
     insecure: InsecureOption = False,
     router: RouterOption = False,
 ) -> None:
-    """The robot's side: watchdog, velocity control, robot. Runs until it is told to end (Ctrl-C)."""
+    """The robot's side: watchdog, guard, velocity control, robot. Runs until it is told to end (Ctrl-C)."""
     from farhand.common.process.outputs import check_writable
     from farhand.programs.robot import RobotOptions, robot_program
 
-    chosen = chosen_scenario(scenario, settings)
+    chosen = chosen_scenario(scenario, settings, guard=guard)
     check_writable(result, "--result")
     options = RobotOptions(robot=name, result=result, realtime=realtime)
     raise typer.Exit(robot_program(chosen, _access(7448, connect, listen, tls, insecure, router), options))

@@ -7,6 +7,7 @@ import typer
 
 from farhand.commands.options import (
     DownlinkOption,
+    GuardOption,
     JsonOption,
     MarginOption,
     NetworkOption,
@@ -38,6 +39,7 @@ def demo(
     predictor: PredictorOption = None,
     solver: SolverOption = None,
     steer: SteerOption = None,
+    guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = 90.0,
@@ -54,7 +56,7 @@ def demo(
     from farhand.runs.run import Run
 
     chosen = chosen_scenario(
-        scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
     run = Run(
         scenario=chosen,
@@ -75,6 +77,7 @@ def simulate(
     predictor: PredictorOption = None,
     solver: SolverOption = None,
     steer: SteerOption = None,
+    guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = 90.0,
@@ -91,7 +94,7 @@ def simulate(
     from farhand.runs.run import Run
 
     chosen = chosen_scenario(
-        scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
     run = Run(
         scenario=chosen,

@@ -88,6 +88,7 @@ class RobotWords(Secured):
     COMMAND: ClassVar[str] = "robot"
 
     scenario: str = ""
+    guard: str = ""
     settings: tuple[str, ...] = ()
     robot: str = ""
     connect: tuple[str, ...] = ()

@@ -31,6 +31,7 @@ from farhand.operator_side.steering.registry import DEVICES
 from farhand.operator_side.steering.settings import SteeringSettings
 from farhand.robot_side.robots.registry import ROBOTS
 from farhand.robot_side.robots.settings import FILES, RobotSettings
+from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.safety.settings import SafetySettings
 from farhand.runs.obstacle_table import check_shapes, settled
 
@@ -42,6 +43,7 @@ class Scenario(Task, frozen=True, kw_only=True):
 
     robot: RobotSettings = RobotSettings()
     safety: SafetySettings = SafetySettings()
+    guard: GuardSettings = GuardSettings()
     controller: ControllerSettings = ControllerSettings()
     margin: MarginSettings = MarginSettings()
     operator: OperatorSettings = OperatorSettings()

@@ -5,6 +5,8 @@ the distance changes by n'J(w) q' - n.v_obstacle. The row, x = d - kept distance
 
     a q' >= n.v_obstacle + a_obstacle * reaction - beta(x),   a = n'J(w)
 
+and x is less by what the joints, that move otherwise than they were told, overrun.
+
     x > 0:  beta = min(10 x, a_b (-r + sqrt(r^2 + 2 x / a_b)))
     x <= 0: beta = max(10 x, -0.1 m/s, and of what stands, a tenth of the witness's own speed)
 
@@ -153,6 +155,18 @@ def bound_of(x, lever, speed, moves, par):
 
 
 @compiled
+def overrun(row, previous, actual, lever, par):
+    """How much nearer the witness comes than was commanded, until the joints move as they were told (m)."""
+    faster = 0.0
+    for i in range(row.shape[0]):
+        faster += row[i] * (previous[i] - actual[i])
+    if faster <= 0.0:
+        return 0.0
+    braking = min(par[BRAKING], par[ROW_SHARE] * lever)
+    return faster * par[REACTION] + (0.5 * faster * faster / braking if braking > 0.0 else 0.0)
+
+
+@compiled
 def take_row(row, bound, low, high, fact0, fact1, fact2, rows_out, b_out, facts, count):
     """Keep a row that some velocity in the box breaks; where there are too many, those that are broken most."""
     n = row.shape[0]
@@ -209,13 +223,13 @@ def part_of(A, B, i, t0, t1, a, b):
 @compiled
 def find_rows(
     chain, capsules, reach, pairs, slack, R, p, rows, vertices,
-    low, high, previous, acceleration, par, rows_out, b_out, facts, watched,
+    low, high, previous, actual, acceleration, par, rows_out, b_out, facts, watched,
 ):  # fmt: skip
     """Fill rows_out, b_out, facts and watched; returns (rows, watched, least distance, its capsule, its other).
 
     Args:
         low, high: (n,) the box of joint velocities now (rad/s).
-        previous: (n,) commanded last (rad/s).
+        previous, actual: (n,) commanded last, and as the joints move now (rad/s).
         acceleration: (n,) of the joints (rad/s^2).
     """
     n, c = previous.shape[0], capsules.shape[0]
@@ -284,7 +298,8 @@ def find_rows(
                     lever += abs(row[k])
                     along += abs(row[k]) * acceleration[k]
                 speed = speed_of(Z, p, joint, wx, wy, wz, previous)
-                bound = bound_of(d - par[KEEP], along, speed, moves, par)
+                x = d - par[KEEP] - overrun(row, previous, actual, along, par)
+                bound = bound_of(x, along, speed, moves, par)
                 if lever < SHORT_LEVER and not moves:
                     bound = min(bound, 0.0)  # hardly movable: nothing is gained by pushing
                 if moves:
@@ -317,7 +332,8 @@ def find_rows(
         along = 0.0
         for m in range(n):
             along += abs(row[m]) * acceleration[m]
-        bound = bound_of(d - par[KEEP] + slack[k], along, speed, False, par)
+        x = d - par[KEEP] + slack[k] - overrun(row, previous, actual, along, par)
+        bound = bound_of(x, along, speed, False, par)
         count = take_row(row, bound, low, high, d, i, -1 - k, rows_out, b_out, facts, count)
         way = 0.0
         for m in range(
@@ -470,13 +486,14 @@ def tightest(rows_out, b_out, facts, count, qd):
 @compiled
 def guarded_tick(
     chain, limits, home, capsules, reach, pairs, slack, par, rows, vertices,
-    q, previous, v, w, R_wanted, asked, by_law,
+    q, actual, previous, v, w, R_wanted, asked, by_law,
     R, p, R_tool, p_tool, J, rows_out, b_out, facts, watched, qd, report,
 ):  # fmt: skip
     """One control period under the guard: fill qd (n,), the frames and J at q, report; turn R_wanted.
 
     Args:
         limits, home, v, w, R_wanted: see velocity.py.
+        actual: (n,) joint velocities now (rad/s).
         asked: (n,) joint velocities of another law; used where `by_law` is False.
     """
     n = q.shape[0]
@@ -486,7 +503,7 @@ def guarded_tick(
     joint_box(limits, q, previous, par[DT], low, high)
     count, watching, near, near_part, near_other = find_rows(
         chain, capsules, reach, pairs, slack, R, p, rows, vertices,
-        low, high, previous, acceleration, par, rows_out, b_out, facts, watched,
+        low, high, previous, actual, acceleration, par, rows_out, b_out, facts, watched,
     )  # fmt: skip
     report[WHAT], report[PART], report[OTHER], report[DISTANCE] = NOTHING_DONE, -1, -1, NOTHING
     report[NEAREST], report[NEAR_PART], report[NEAR_OTHER], report[ROWS] = near, near_part, near_other, count

@@ -24,10 +24,11 @@ class BulletObstacles:
         bullet: the pybullet module.
         client: its world.
         body: what distances are measured from.
+        first: of its links, the first one that moves: a base may stand on an obstacle, and cannot leave it.
     """
 
-    def __init__(self, bullet: Any, client: int, body: int) -> None:
-        self._bullet, self._client, self._body = bullet, client, body
+    def __init__(self, bullet: Any, client: int, body: int, first: int = -1) -> None:
+        self._bullet, self._client, self._body, self._first = bullet, client, body, first
         self._shapes: list[tuple[str, Shape, Quaternion]] = []
         self._solids: list[int] = []
         self._positions: list[Vector3] = []
@@ -39,7 +40,7 @@ class BulletObstacles:
         for obstacle, solid in zip(obstacles, self._solids, strict=True):
             # Asking only for what is nearer than the best so far lets Bullet skip the rest.
             points = self._bullet.getClosestPoints(self._body, solid, best, physicsClientId=self._client)
-            gap = min((point[8] for point in points), default=_FAR)
+            gap = min((point[8] for point in points if point[3] >= self._first), default=_FAR)
             if gap < best:
                 best, name = gap, obstacle.id
         return (best, name) if name else None
@@ -51,6 +52,7 @@ class BulletObstacles:
             (point[8], point[3], obstacle.id)
             for obstacle, solid in zip(obstacles, self._solids, strict=True)
             for point in self._bullet.getClosestPoints(self._body, solid, _FAR, physicsClientId=self._client)
+            if point[3] >= self._first
         ]
         return min(found)[1:] if found else (-1, "")
 

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Array, Twist, to_vector3
+from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
 from farhand.robot_side.arm.chain import ArmChain
@@ -22,6 +23,8 @@ from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
+from farhand.robot_side.safety.guard.arm_guard import ArmGuard
+from farhand.robot_side.safety.guard.start import check_arm_clear
 from farhand.robot_side.surroundings import Surroundings
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
@@ -48,7 +51,7 @@ class ArmWorld:
         self._bullet, self._client = connect()
         try:
             self._load_arm()
-            self._obstacles = BulletObstacles(self._bullet, self._client, self.body)
+            self._obstacles = BulletObstacles(self._bullet, self._client, self.body, min(self.joint_indices))
             self._check_start(scenario)
         except BaseException:
             self.close()
@@ -101,6 +104,8 @@ class ArmWorld:
                 f"scenario {scenario.name}: start: the {self.arm.title}'s arm reaches {-nearest[0]:.3f} m into "
                 f"obstacle {nearest[1]!r} there; move the obstacle or the start"
             )
+        if scenario.guard.on:
+            check_arm_clear(scenario, self.arm, self._q)
 
 
 class ArmRobot(ArmWorld, Robot):
@@ -113,6 +118,7 @@ class ArmRobot(ArmWorld, Robot):
     """
 
     catches_up = True
+    guards_itself = True
 
     def __init__(self, scenario: RobotScenario) -> None:
         super().__init__(scenario)
@@ -126,6 +132,11 @@ class ArmRobot(ArmWorld, Robot):
             else DampedLeastSquares(bounds, arm.max_velocity, down)
         )
         self._chain = ArmChain(arm)
+        self._guard: ArmGuard | None = None
+        if scenario.guard.on:
+            settings = scenario.robot
+            self._guard = ArmGuard(arm, scenario.guard, settings.lag, 1.0 / settings.rate_hz)
+        self._keeps_direction = scenario.robot.velocity_control == "direction"
         self._commanded: Array = np.zeros(arm.n)
         self._wanted: Array = np.zeros(3)
         self._forces = arm.max_torque.tolist()
@@ -160,9 +171,36 @@ class ArmRobot(ArmWorld, Robot):
             self._dt = dt
             bullet.setTimeStep(dt, physicsClientId=client)
         self._wanted, omega = np.array(twist.linear), np.array(twist.angular)
-        self._commanded = self.control.joint_velocity(
-            self._q, self._commanded, self._tool, self._wanted, dt, omega
+        if surroundings is None or self._guard is None:
+            self._drive(self._asked(omega, dt))
+            return
+        asked = None if self._keeps_direction else self._asked(omega, dt)
+        wanted, R_base_wanted = self._wanted, self.control.R_base_wanted
+        self._drive(
+            self._guard.command(
+                self._q, self._qd, self._commanded, wanted, omega, R_base_wanted, surroundings, asked
+            )
         )
+
+    def _asked(self, omega: Array, dt: float) -> Array:
+        return self.control.joint_velocity(self._q, self._commanded, self._tool, self._wanted, dt, omega)
+
+    def halt(self, dt: float) -> None:
+        """Brake all joints together, on the way that the guard has found clear."""
+        if self._guard is None:
+            super().halt(dt)
+        else:
+            self._wanted = np.zeros(3)
+            self._drive(self._guard.halt(self._commanded))
+
+    def intervention(self) -> Intervention | None:
+        """See Robot."""
+        return None if self._guard is None else self._guard.did
+
+    def _drive(self, commanded: Array) -> None:
+        """One period of physics under joint velocities (n,), rad/s."""
+        bullet, client = self._bullet, self._client
+        self._commanded = commanded
         if self.arm.holds_itself:
             bullet.setJointMotorControlArray(
                 self.body,

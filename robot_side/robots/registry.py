@@ -31,6 +31,7 @@ def make_robot(scenario: RobotScenario) -> "Robot":
     had: whatever a kind raises, such as a ConnectionError of a driver, is told in one line.
     """
     kind = ROBOTS.get(scenario.robot.kind, "robot.kind")
+    _check_clear(scenario, kind)
     return made(f"robot {scenario.robot.kind!r}", lambda: kind.for_scenario(scenario))
 
 
@@ -39,4 +40,14 @@ def check_scenario(scenario: RobotScenario) -> None:
 
     Builds no robot and connects to nothing. Raises InputError when there is no such robot.
     """
-    ROBOTS.get(scenario.robot.kind, "robot.kind").check_start(scenario)
+    kind = ROBOTS.get(scenario.robot.kind, "robot.kind")
+    kind.check_start(scenario)
+    _check_clear(scenario, kind)
+
+
+def _check_clear(scenario: RobotScenario, kind: "type[Robot]") -> None:
+    """Raise ScenarioError where a robot that does not guard itself starts nearer to something than it may come."""
+    if scenario.guard.on and not kind.guards_itself:
+        from farhand.robot_side.safety.guard.start import check_tool_clear
+
+        check_tool_clear(scenario, scenario.robot.radius)

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from farhand.common.geometry import Twist
+from farhand.common.geometry import STILL, Twist
 from farhand.common.messages.base import Quaternion, Vector3
+from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import NoSettings, Section
 from farhand.robot_side.robots.settings import RobotScenario
@@ -43,12 +44,15 @@ class Robot(ABC):
         model: name of the model, for those who draw it; empty where there is none.
         catches_up: whether periods that a late loop missed are stepped one by one afterwards. Right for a
             simulator, whose time would fall behind; for hardware, whose time went on, it would be a burst.
+        guards_itself: whether `step` keeps its whole body clear of `surroundings`; of others the robot's program
+            guards the sphere around the tool.
     """
 
     Settings: ClassVar[type[Section]] = NoSettings
     joint_names: tuple[str, ...] = ()
     model: str = ""
     catches_up: bool = False
+    guards_itself: bool = False
 
     @classmethod
     @abstractmethod
@@ -72,6 +76,14 @@ class Robot(ABC):
             dt: (s).
             surroundings: what a robot with a guard of its own keeps clear of in this period; None: no guard.
         """
+
+    def halt(self, dt: float) -> None:
+        """One period of `dt` s of a latched stop: brake, and step aside from nothing."""
+        self.step(STILL, dt)
+
+    def intervention(self) -> Intervention | None:
+        """What its own guard did in the last period; None: nothing, or it has none."""
+        return None
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
         """Distance of the whole body to the nearest obstacle (m); None where it is not computed."""

@@ -8,6 +8,7 @@ from farhand.common.messages.base import ZERO, NonNegative, Positive, Real, Vect
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import KindSection, Rate
 from farhand.robot_side.arm.catalogue import ARMS, nearest
+from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.safety.settings import SafetySettings
 
 Joints = Annotated[tuple[Real, ...], Meta(min_length=1, max_length=16)]
@@ -140,4 +141,9 @@ class RobotScenario(Protocol):
     @property
     def safety(self) -> SafetySettings:
         """The watchdog."""
+        ...
+
+    @property
+    def guard(self) -> GuardSettings:
+        """What keeps the whole body clear."""
         ...

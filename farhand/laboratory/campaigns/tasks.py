@@ -17,6 +17,7 @@ from farhand.common.shapes.distance import distance_to
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.settings import MarginSettings
 from farhand.robot_side.robots.settings import RobotSettings
+from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.runs.scenario import Scenario
 
 LOW, HIGH = 0.45, 7.6
@@ -63,6 +64,7 @@ def make_task(seed: int, index: int, robot: BoxKind = "point", margin: str = "ad
         targets=tuple(points[1:]),
         obstacles=tuple(obstacles),
         robot=box_settings(robot),
+        guard=GuardSettings(on=False),  # what is measured is the operator's side, as the paper has it
         controller=ControllerSettings(speed_limit=(0.5, 0.5, 0.5)),
         margin=MarginSettings(kind=margin, own={"paper": {"max_speed": 0.87}}),
     )

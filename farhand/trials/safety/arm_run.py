@@ -133,46 +133,53 @@ class Judge:
 def arm_scene(seed: int, case: Case, arm: ArmModel, body: Body) -> tuple[Obstacle, ...]:
     """What stands and shuttles around the arm; in every second scene it stands on a table, in some beside a wall."""
     rng = stream(seed, "guard", case.robot, "scene", str(case.scene), f"{case.speed:g}")
-    A, B = placed(body, arm.home)
-    reach = 0.95 * arm.longest_reach
-
-    def gap(obstacle: Obstacle, first: int = 0) -> float:
-        table = surroundings_of([obstacle])
-        return min(
-            capsule_row(A[i], B[i], body.capsules[i, 7], table.rows[0], table.vertices)[0]
-            for i in range(first, len(A))
-        )
-
-    def place(rng: Generator) -> Array:
-        while True:
-            x = rng.uniform(-reach, reach, 3)
-            x[2] = abs(x[2])
-            if 0.15 < float(np.linalg.norm(x)) < reach:
-                return np.asarray(x)
-
-    def fits(obstacle: Obstacle) -> bool:
-        if not obstacle.path:
-            return gap(obstacle) > START_CLEAR
-        if gap(sampled(obstacle)[0]) < MOVER_CLEAR:
-            return False
-        foot, top = np.zeros(3), np.array([0.0, 0.0, 0.3])
-        for where in sampled(obstacle):
-            table = surroundings_of([where])
-            if capsule_row(foot, top, COLUMN, table.rows[0], table.vertices)[0] < 0.0:
-                return False
-        return True
-
+    start = _Start(arm, body)
     count = 3 if case.speed else int(rng.integers(3, 13))
-    found = draw_scene(rng, count=count, place=place, size=(0.03, 0.15), speed=case.speed, fits=fits)
+    found = draw_scene(
+        rng, count=count, place=start.place, size=(0.03, 0.15), speed=case.speed, fits=start.has_room_for
+    )
     if rng.random() < 0.5:
         found += (plane("table", (0.0, 0.0, 0.0), np.array([0.0, 0.0, 1.0])),)
     if rng.random() < 0.3:
         angle = float(rng.uniform(0.0, 2.0 * np.pi))
         normal = np.array([-math.cos(angle), -math.sin(angle), 0.0])
         wall = plane("wall", to_vector3((-normal * rng.uniform(0.5, 0.9)).tolist()), normal)
-        if gap(wall) > START_CLEAR:
+        if start.gap(wall) > START_CLEAR:
             found += (wall,)
     return found
+
+
+class _Start:
+    """The arm at home, and where obstacles may be around it."""
+
+    def __init__(self, arm: ArmModel, body: Body) -> None:
+        self._A, self._B = placed(body, arm.home)
+        self._radii = body.capsules[:, 7]
+        self._reach = 0.95 * arm.longest_reach
+
+    def gap(self, obstacle: Obstacle) -> float:
+        """Of the arm to an obstacle (m)."""
+        table = surroundings_of([obstacle])
+        ends = zip(self._A, self._B, self._radii, strict=True)
+        return min(float(capsule_row(a, b, r, table.rows[0], table.vertices)[0]) for a, b, r in ends)
+
+    def place(self, rng: Generator) -> Array:
+        """(3,) somewhere within reach (m)."""
+        while True:
+            x = rng.uniform(-self._reach, self._reach, 3)
+            x[2] = abs(x[2])
+            if 0.15 < float(np.linalg.norm(x)) < self._reach:
+                return np.asarray(x)
+
+    def has_room_for(self, obstacle: Obstacle) -> bool:
+        """Whether an obstacle is clear of the arm, and a mover's way of the column that cannot step aside."""
+        if not obstacle.path:
+            return self.gap(obstacle) > START_CLEAR
+        places = sampled(obstacle)
+        foot, top = np.zeros(3), np.array([0.0, 0.0, COLUMN])
+        tables = [surroundings_of([where]) for where in places]
+        clear = all(capsule_row(foot, top, COLUMN, t.rows[0], t.vertices)[0] > 0.0 for t in tables)
+        return clear and self.gap(places[0]) > MOVER_CLEAR
 
 
 def run_arm(seed: int, case: Case, settings: GuardSettings) -> Outcome:
@@ -220,7 +227,7 @@ def run_arm(seed: int, case: Case, settings: GuardSettings) -> Outcome:
         tool = kinematics.tool(body.q)
         twist = adversary.command()
         commanded = guard.command(
-            body.q, commanded, np.ascontiguousarray(twist[:3]), np.ascontiguousarray(twist[3:]), wanted,
+            body.q, body.qd, commanded, np.ascontiguousarray(twist[:3]), np.ascontiguousarray(twist[3:]), wanted,
             seen.table(now_ns),
         )  # fmt: skip
         busy += guard.did is not None
@@ -251,5 +258,3 @@ def closing(arm: ArmModel, body: Body, q: Array, which: int, around: Surrounding
         row[k] = normal @ np.cross(rotations[k] @ arm.axes[k], witness - origins[k])
     length = float(np.linalg.norm(row))
     return -row / length if length > 1e-6 else row
-
-

@@ -1,4 +1,4 @@
-"""True distances of an arm's meshes to obstacles: by Coal, with the hulls of the meshes, for none of the guard's own code."""
+"""True distances of an arm's meshes to obstacles, by Coal with the meshes' hulls: none of it is code of the guard."""
 
 import coal
 import numpy as np

@@ -3,15 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from farhand.common.geometry import Array, norm, to_vector3
 from farhand.common.messages.intervention import Intervention, deed
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel import guard as kernel
 from farhand.robot_side.kernel.chain import pack
-from farhand.robot_side.kernel.distance import ACCELERATION, VELOCITY
+from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY, capsule_capsule
 from farhand.robot_side.kernel.qp import SOLVED
-from farhand.robot_side.kernel.velocity import YIELDED
+from farhand.robot_side.kernel.velocity import MAX_ACCELERATION, YIELDED
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.surroundings import Surroundings
 
@@ -36,7 +37,7 @@ class Body:
     chain: Array
     capsules: Array
     reach: Array
-    pairs: Array
+    pairs: NDArray[np.int64]
     slack: Array
     parts: tuple[str, ...]
 
@@ -70,7 +71,7 @@ def self_gaps(body: Body, q: Array) -> Array:
     """(k,) distances of the pairs' capsules at joint positions q (m)."""
     A, B = placed(body, q)
     gaps = [
-        kernel.capsule_capsule(A[i], B[i], body.capsules[i, 7], A[j], B[j], body.capsules[j, 7])[0]
+        capsule_capsule(A[i], B[i], body.capsules[i, 7], A[j], B[j], body.capsules[j, 7])[0]
         for i, j in body.pairs
     ]
     return np.array(gaps)
@@ -131,10 +132,22 @@ class ArmGuard:
         self.did: Intervention | None = None
         self.nearest = 1e6
         self.pinched = self.braked = self.failures = 0
+        # compiled, or loaded, now and not in the first period
+        nothing = Surroundings(np.zeros((0, COLUMNS)), np.zeros((0, 3)), ())
+        self.command(
+            self._home,
+            np.zeros(n),
+            np.zeros(n),
+            np.zeros(3),
+            np.zeros(3),
+            arm.tool_pose(arm.home)[0],
+            nothing,
+        )
 
     def command(
         self,
         q: Array,
+        actual: Array,
         previous: Array,
         v: Array,
         w: Array,
@@ -146,6 +159,7 @@ class ArmGuard:
 
         Args:
             q: (n,) joint positions (rad).
+            actual: (n,) joint velocities (rad/s).
             previous: (n,) commanded last (rad/s); may be the array that this returned.
             v, w: (3,) commanded twist of the tool, in base (m/s, rad/s).
             R_base_wanted: (3, 3) orientation that the tool keeps; is turned by as much of w as is followed.
@@ -160,7 +174,7 @@ class ArmGuard:
             self._asked[:] = asked
         status = kernel.guarded_tick(
             body.chain, self._limits, self._home, body.capsules, body.reach, body.pairs, body.slack, self._par,
-            around.rows, around.vertices, q, self._previous, v, w, R_base_wanted, self._asked, by_law,
+            around.rows, around.vertices, q, actual, self._previous, v, w, R_base_wanted, self._asked, by_law,
             self._R, self._p, self._R_tool, self._p_tool, self._J,
             self._A, self._b, self._facts, self._watched, self._qd, report,
         )  # fmt: skip
@@ -175,10 +189,10 @@ class ArmGuard:
     def halt(self, previous: Array) -> Array:
         """Joint velocities with which the joints brake together, on the way that was checked (n,), rad/s."""
         par, limits = self._par, self._limits
-        most = limits[kernel.MAX_ACCELERATION] * par[kernel.DT]
+        most = limits[MAX_ACCELERATION] * par[kernel.DT]
         kernel.together(
             previous,
-            limits[kernel.MAX_ACCELERATION],
+            limits[MAX_ACCELERATION],
             1.0,
             par[kernel.DT],
             previous - most,

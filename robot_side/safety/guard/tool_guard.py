@@ -4,7 +4,7 @@ import numpy as np
 
 from farhand.common.geometry import Twist, Vector3
 from farhand.common.messages.intervention import Intervention, deed
-from farhand.robot_side.kernel.distance import ACCELERATION, VELOCITY
+from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY
 from farhand.robot_side.kernel.sphere_guard import (
     BAD,
     BRAKED,
@@ -64,6 +64,10 @@ class ToolGuard:
         self.did: Intervention | None = None
         self.nearest = 1e6
         self.pinched = 0
+        # compiled, or loaded, now and not in the first period
+        guard(
+            self._x, self._v, self._u_c, np.zeros((0, COLUMNS)), np.zeros((0, 3)), par, self._u, self._facts
+        )
 
     def allow(self, position: Vector3, velocity: Vector3, asked: Twist, around: Surroundings) -> Twist:
         """What of a twist the robot may do now.
@@ -91,7 +95,7 @@ class ToolGuard:
         self, asked: Vector3, done: Vector3, braked: bool, around: Surroundings
     ) -> Intervention | None:
         index = int(self._facts[0])
-        row = around.rows[index] if index >= 0 else np.zeros(24)
+        row = around.rows[index] if index >= 0 else np.zeros(COLUMNS)
         moves = bool(row[VELOCITY : ACCELERATION + 1].any())
         what = "braking" if braked else deed(asked, done, moves=moves)
         if what is None:
