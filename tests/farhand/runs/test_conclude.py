@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from farhand.runs.console import page
 
 from farhand.cli import run
 from farhand.common.process.console import page

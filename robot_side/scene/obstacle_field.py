@@ -10,7 +10,7 @@ from farhand.common.messages.scene import Obstacle
 from farhand.common.shapes.obstacle import moved, way_of
 from farhand.common.shapes.pose import rotation
 from farhand.common.shapes.sphere import Sphere
-from farhand.robot_side.surroundings import Surroundings, surroundings_of
+from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
 
 NOTHING_NEAR = 1e6
 _FEW = 24  # up to here a plain loop beats numpy's call overhead
