@@ -10,6 +10,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -49,11 +50,13 @@ class Compiler:
         before = settings["CACHE_DIR"]
         settings["CACHE_DIR"] = str(self.folder or before)  # numba reads it now, and not when it compiles
         try:
-            return numba.njit(cache=self.folder is not None, nogil=True, fastmath=False, error_model="numpy")(
-                function
-            )
+            compiled = numba.njit(
+                cache=self.folder is not None, nogil=True, fastmath=False, error_model="numpy"
+            )(function)
         finally:
             settings["CACHE_DIR"] = before
+        _spare_a_full_disk(compiled)
+        return compiled
 
     def where_possible(self, function: Callable[..., Any]) -> Any:
         """The same, but the plain function where numba is missing."""
@@ -61,6 +64,18 @@ class Compiler:
             return self(function)
         except ImportError:
             return function
+
+
+def _spare_a_full_disk(compiled: Any) -> None:
+    """Use what is compiled though there is no space to keep it: it is compiled again at the next start."""
+    cache = compiled._cache
+    save = cache.save_overload
+
+    def save_if_possible(signature: Any, code: Any) -> None:
+        with suppress(OSError):
+            save(signature, code)
+
+    cache.save_overload = save_if_possible
 
 
 def _files(source: Path) -> list[Path]:
@@ -80,7 +95,9 @@ def _choose(beside: Path, name: str) -> Path | None:
     if given:
         return _made(Path(given), name, private=False)
     home = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
-    own = [home / "farhand", Path(tempfile.gettempdir()) / f"farhand-{os.getuid()}"]
+    own = [home / "farhand"]
+    with suppress(OSError):  # every disk is full
+        own.append(Path(tempfile.gettempdir()) / f"farhand-{os.getuid()}")
     return _made(beside, name, private=False) or next(
         (
             folder

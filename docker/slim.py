@@ -61,8 +61,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "installers": ("pip", "pip-*.dist-info", "setuptools", "setuptools-*.dist-info", "pkg_resources"),
 }
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
-KEPT_ROBOT = "ur_description"
-OTHER_MESHES = ("meshes/ur3", "meshes/ur10", "meshes/ur5/visual")
+KEPT_ROBOTS = ("ur_description", "panda_description")
+"""Of the arms that are known by name."""
 KEPT_LEXERS = ("python.py", "special.py")
 """What rich asks Pygments for, to show where a program failed."""
 KEPT_PLUGINS = (
@@ -75,6 +75,14 @@ KEPT_PLUGINS = (
     "blas_",
 )
 """CasADi's plugins that operator_side names, and those that they load by themselves."""
+
+
+def unused_descriptions(robots: Path) -> list[Path]:
+    """All but the arms that are known by name; of those the meshes that are only drawn."""
+    others = [path for path in robots.iterdir() if path.name not in KEPT_ROBOTS]
+    for name in KEPT_ROBOTS:
+        others += robots.joinpath(name).glob("meshes/**/visual")
+    return others
 
 
 def weight(paths: Iterable[Path]) -> int:
@@ -176,9 +184,8 @@ def main(environment: Path) -> None:
         report(what, weight(found))
         remove(found)
     robots = folder / ROBOTS
-    others = [path for path in robots.iterdir() if path.name != KEPT_ROBOT]
-    others += [robots / KEPT_ROBOT / name for name in OTHER_MESHES]
-    report("descriptions of other robots", weight(others))
+    others = unused_descriptions(robots)
+    report("descriptions of other robots, and what is only drawn", weight(others))
     remove(others)
     for what, action in (
         ("second and third copies of libraries", lambda: link_copies(folder)),

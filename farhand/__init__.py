@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     from farhand.robot_side.robots.settings import RobotScenario as RobotScenario
     from farhand.robot_side.robots.settings import RobotSettings as RobotSettings
     from farhand.robot_side.safety.settings import SafetySettings as SafetySettings
-    from farhand.robot_side.surroundings import Surroundings as Surroundings
+    from farhand.robot_side.scene.surroundings import Surroundings as Surroundings
     from farhand.runs.run import Run as Run
     from farhand.runs.scenario import Scenario as Scenario
     from farhand.runs.scenario import load_scenario as load_scenario
@@ -98,7 +98,7 @@ _HOME = {
     "NoSettings": "common.scenario.section",
     "Section": "common.scenario.section",
     "own_settings": "common.scenario.section",
-    "Surroundings": "robot_side.surroundings",
+    "Surroundings": "robot_side.scene.surroundings",
     "SimulationResult": "laboratory.simulation",
     "simulate": "laboratory.simulation",
     "simulate_run": "laboratory.simulation",

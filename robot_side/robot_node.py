@@ -24,7 +24,6 @@ from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.shapes.distance import nearest_obstacle
 from farhand.common.timing.periodic import Periodic
-from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.result import GuardedPair, RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
@@ -33,6 +32,7 @@ from farhand.robot_side.safety.command_intake import CommandIntake
 from farhand.robot_side.safety.guard.tally import Tally
 from farhand.robot_side.safety.guard.tool_guard import ToolGuard
 from farhand.robot_side.safety.watchdog import Watchdog
+from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 
 SECOND_NS = 1_000_000_000
 UNHEARD = "no good command"

@@ -3,7 +3,7 @@
 import math
 
 from farhand.common.messages.base import Vector3
-from farhand.robot_side.obstacle_field import NOTHING_NEAR
+from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR
 
 TRAJECTORY_RATE_HZ = 50.0
 TRAJECTORY_LIMIT = 1_000_000

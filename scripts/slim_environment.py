@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "docker"))
-from slim import GROUPS, KEPT_ROBOT, OTHER_MESHES, ROBOTS, link_copies, remove
+from slim import GROUPS, ROBOTS, link_copies, remove, unused_descriptions
 
 SUFFIXES = ("**/*.pyi", "**/*.h", "**/*.hpp", "**/*.pxd", "**/*.la")
 """Stay: type checkers and compilers read them, and they weigh little."""
@@ -22,8 +22,7 @@ def slim(environment: Path) -> None:
             remove(folder.glob(pattern))
     robots = folder / ROBOTS
     if robots.is_dir():
-        remove(path for path in robots.iterdir() if path.name != KEPT_ROBOT)
-        remove(robots / KEPT_ROBOT / name for name in OTHER_MESHES)
+        remove(unused_descriptions(robots))
     for name in ("casadi", "cmeel.prefix/lib"):
         if (folder / name).is_dir():
             link_copies(folder / name)

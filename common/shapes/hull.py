@@ -1,5 +1,6 @@
 """The convex hull of some points as its faces, and exact distances to it."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,18 +18,25 @@ class NoHullError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hull:
-    """Faces of a convex body; faces that lie in one plane are given as triangles.
+    """Faces and edges of a convex body; faces that lie in one plane are given as triangles.
 
     Attributes:
         normals: (F, 3) of the faces, outwards.
         offsets: (F,): a point p is inside where normals @ p + offsets <= 0 (m).
         corners: (F, 3, 3) of the triangles.
+        side_normals, side_offsets: (3 F, 3), (3 F,): a point is above a triangle where the same holds for its sides.
+        starts, directions, lengths: (E, 3), (E, 3), (E,) of the edges.
         used: indices of the points that are corners of the hull.
     """
 
     normals: Array
     offsets: Array
     corners: Array
+    side_normals: Array
+    side_offsets: Array
+    starts: Array
+    directions: Array
+    lengths: Array
     used: tuple[int, ...]
 
     def distance(self, x: float, y: float, z: float) -> float:
@@ -38,23 +46,36 @@ class Hull:
         deepest = float(heights.max())
         if deepest <= 0.0:
             return deepest
-        nearest = self._nearest_outside(point, heights)
-        return float(np.sqrt(((point - nearest) ** 2).sum()))
+        face = self._face_below(point, heights)
+        if face >= 0:
+            return float(heights[face])
+        away = self._from_edges(point)
+        return math.sqrt(float(np.einsum("ij,ij->i", away, away).min()))
 
     def witness(self, x: float, y: float, z: float) -> Array:
         """(3,) the point of the surface that is nearest to a point (m)."""
         point = np.array((x, y, z))
         heights = self.normals @ point + self.offsets
-        best = int(heights.argmax())
-        if heights[best] <= 0.0:
-            return np.asarray(point - heights[best] * self.normals[best])
-        return self._nearest_outside(point, heights)
+        face = int(heights.argmax())
+        if heights[face] > 0.0:
+            face = self._face_below(point, heights)
+        if face >= 0:
+            return np.asarray(point - heights[face] * self.normals[face])
+        away = self._from_edges(point)
+        return np.asarray(point - away[int(np.einsum("ij,ij->i", away, away).argmin())])
 
-    def _nearest_outside(self, point: Array, heights: Array) -> Array:
-        """The nearest point lies on a face that the point can see."""
-        nearest = nearest_on_triangles(point, self.corners[heights > 0.0])
-        squares = ((nearest - point) ** 2).sum(axis=1)
-        return np.asarray(nearest[int(squares.argmin())])
+    def _face_below(self, point: Array, heights: Array) -> int:
+        """The face that a point outside is right above, -1 where it is above none: then an edge is nearest."""
+        sides = (self.side_normals @ point + self.side_offsets).reshape(-1, 3)
+        above = (heights > 0.0) & (sides.max(axis=1) <= 0.0)
+        face = int(above.argmax())
+        return face if above[face] else -1
+
+    def _from_edges(self, point: Array) -> Array:
+        """(E, 3) from the nearest point of each edge to a point (m)."""
+        away = point - self.starts
+        along = np.einsum("ij,ij->i", away, self.directions).clip(0.0, self.lengths)
+        return np.asarray(away - along[:, None] * self.directions)
 
 
 def hull_of(points: Array) -> Hull:
@@ -71,31 +92,24 @@ def hull_of(points: Array) -> Hull:
     # Qhull's rounding may leave a vertex a hair outside its faces; the faces move out to it.
     offsets = offsets - np.maximum(0.0, (normals @ points.T + offsets[:, None]).max(axis=1))
     used = tuple(sorted(int(index) for index in found.vertices))
-    return Hull(np.ascontiguousarray(normals), offsets, points[found.simplices], used)
-
-
-def nearest_on_triangles(point: Array, corners: Array) -> Array:
-    """(n, 3) the nearest point of each of (n, 3, 3) triangles to a point (m).
-
-    By the regions of Ericson, Real-Time Collision Detection, 5.1.5: corner, edge or face.
-    """
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    ab, ac, bc = b - a, c - a, c - b
-    normal = np.cross(ab, ac)
-    square = np.maximum((normal * normal).sum(axis=1), 1e-300)
-    v = (np.cross(point - a, ac) * normal).sum(
-        axis=1
-    ) / square  # barycentric, of the point in the face's plane
-    w = (np.cross(ab, point - a) * normal).sum(axis=1) / square
-    inside = (v >= 0.0) & (w >= 0.0) & (v + w <= 1.0)
-    on_face = a + v[:, None] * ab + w[:, None] * ac
-    edges = np.stack([_nearest_on_edges(point, s, e) for s, e in ((a, ab), (a, ac), (b, bc))])
-    which = ((edges - point) ** 2).sum(axis=2).argmin(axis=0)
-    on_edge = edges[which, np.arange(len(corners))]
-    return np.asarray(np.where(inside[:, None], on_face, on_edge))
-
-
-def _nearest_on_edges(point: Array, start: Array, edge: Array) -> Array:
-    squares = np.maximum((edge * edge).sum(axis=1), 1e-300)
-    share = np.clip(((point - start) * edge).sum(axis=1) / squares, 0.0, 1.0)
-    return np.asarray(start + share[:, None] * edge)
+    corners = points[found.simplices]
+    starts, ends = corners, np.roll(corners, -1, axis=1)
+    outwards = np.cross(ends - starts, normals[:, None])
+    middles = corners.mean(axis=1)[:, None]
+    outwards *= np.sign(((starts - middles) * outwards).sum(axis=2, keepdims=True))
+    pairs = np.unique(
+        np.sort(np.stack([found.simplices, np.roll(found.simplices, -1, 1)], 2).reshape(-1, 2)), axis=0
+    )
+    edges = points[pairs[:, 1]] - points[pairs[:, 0]]
+    lengths = np.sqrt((edges**2).sum(axis=1))
+    return Hull(
+        normals=np.ascontiguousarray(normals),
+        offsets=offsets,
+        corners=corners,
+        side_normals=np.ascontiguousarray(outwards.reshape(-1, 3)),
+        side_offsets=-(outwards * starts).sum(axis=2).ravel(),
+        starts=points[pairs[:, 0]],
+        directions=edges / lengths[:, None],
+        lengths=lengths,
+        used=used,
+    )

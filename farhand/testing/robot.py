@@ -10,7 +10,7 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
-from farhand.robot_side.surroundings import Surroundings
+from farhand.robot_side.scene.surroundings import Surroundings
 
 Call = Literal["sample", "step", "arm_clearance"]
 FOR_EVER = 1 << 62

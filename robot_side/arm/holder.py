@@ -15,6 +15,8 @@ NEAR_LIMIT = 0.05
 """To a joint's limit (rad): the braking before it has set in."""
 STRAIGHT = 0.25
 """Of the elbow's sine, under which the arm is stretched or folded."""
+OUTWARD = 0.85
+"""Of the lost direction, along the line from the shoulder to the tool, from which an arm is at its reach."""
 
 
 def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, wanted: Array) -> str:
@@ -39,19 +41,25 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
     if limited.size:
         return f"joint limit of {kinematics.arm.joint_names[int(limited[0])]}"
     if float(np.linalg.svd(jacobian, compute_uv=False)[-1]) < SINGULAR_BELOW:
-        return _singularity(q, kinematics.arm)
+        return _singularity(q, jacobian, kinematics.arm)
     fast = np.abs(free) / kinematics.max_velocity
-    return (
-        f"speed limit of {kinematics.arm.joint_names[int(np.argmax(fast))]}"
-        if float(fast.max()) > 1.0
-        else ""
-    )
+    fastest = kinematics.arm.joint_names[int(np.argmax(fast))]
+    return f"speed limit of {fastest}" if float(fast.max()) > 1.0 else ""
 
 
-def _singularity(q: Array, arm: ArmModel) -> str:
-    """Which one, where it is known what tells them apart."""
-    if arm.elbow >= 0 and abs(np.sin(q[arm.elbow])) < STRAIGHT:
+def _singularity(q: Array, jacobian: Array, arm: ArmModel) -> str:
+    """Which one, where that can be told apart."""
+    if _is_stretched(q, jacobian, arm):
         return "the edge of its reach"
     if arm.wrist >= 0 and abs(np.sin(q[arm.wrist])) < STRAIGHT:
         return "a singularity of the wrist"
     return "a singularity"
+
+
+def _is_stretched(q: Array, jacobian: Array, arm: ArmModel) -> bool:
+    """By the elbow, where it is known; else, whether the lost direction is that from the shoulder to the tool."""
+    if arm.elbow >= 0:
+        return bool(abs(np.sin(q[arm.elbow])) < STRAIGHT)
+    lost = np.linalg.svd(jacobian)[0][:3, -1]
+    outward = arm.tool_pose(q)[1] - arm.poses(q)[1][1]
+    return bool(abs(lost @ outward) > OUTWARD * np.linalg.norm(outward))

@@ -33,6 +33,7 @@ class Chain:
         max_torque: (n,) N m.
         adjacent: pairs of links that a joint, or a row of fixed ones, holds together.
         standing: links that no joint moves.
+    rigid: pairs of links that fixed joints hold together.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Chain:
     max_torque: Array
     adjacent: frozenset[frozenset[str]]
     standing: frozenset[str]
+    rigid: frozenset[frozenset[str]]
 
 
 def read_urdf(path: Path, tool_frame: str) -> Chain:
@@ -93,6 +95,7 @@ def read_urdf(path: Path, tool_frame: str) -> Chain:
         max_torque=torque,
         adjacent=_adjacent(bodies, joints),
         standing=frozenset(bodies[_ends(moving[0])[0]]),
+        rigid=_adjacent(bodies, []),
     )
 
 

@@ -93,9 +93,8 @@ def read_arm(urdf: Path, srdf: Path | None, tool_frame: str) -> tuple[Chain, str
     semantics = Semantics(frozenset(), ()) if srdf is None else read_srdf(srdf)
     frame = tool_frame or semantics.tool_frame or tool_frame_of(urdf)
     chain = read_urdf(urdf, frame)
-    if srdf is None:
-        semantics = Semantics(chain.adjacent, ())
-    return chain, frame, semantics
+    never = chain.adjacent if srdf is None else semantics.never_colliding | chain.rigid
+    return chain, frame, dataclasses.replace(semantics, never_colliding=never)
 
 
 def _fitted(chain: Chain, tool_frame: str, semantics: Semantics, home: Array) -> "FittedArm":

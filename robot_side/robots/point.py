@@ -6,7 +6,7 @@ from farhand.common.geometry import Twist, turned
 from farhand.common.messages.base import ZERO, Quaternion, Vector3
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
-from farhand.robot_side.surroundings import Surroundings
+from farhand.robot_side.scene.surroundings import Surroundings
 
 
 class PointRobot(Robot):

@@ -7,7 +7,7 @@ from farhand.common.messages.base import ZERO, Quaternion, Vector3
 from farhand.robot_side.robots.bullet import GRAVITY, connect
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
-from farhand.robot_side.surroundings import Surroundings
+from farhand.robot_side.scene.surroundings import Surroundings
 
 SIZE: Vector3 = (0.25, 0.25, 0.1)  # m
 MASS = 1.0  # kg

@@ -11,7 +11,7 @@ from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import NoSettings, Section
 from farhand.robot_side.robots.settings import RobotScenario
-from farhand.robot_side.surroundings import Surroundings
+from farhand.robot_side.scene.surroundings import Surroundings
 
 
 @dataclass(frozen=True, slots=True)

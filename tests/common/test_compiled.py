@@ -104,3 +104,19 @@ def test_two_installs_do_not_remove_each_others_code(source, tmp_path, monkeypat
     assert Compiler(source).folder.is_dir()
     assert not first.exists()
     assert second.is_dir()
+
+
+@pytest.mark.parametrize("size", [0, 1])
+def test_a_disk_without_space_costs_the_cache_alone(tmp_path, size):
+    """As far as a program sees it: no file may be larger, in KiB; compiled code is."""
+    write(tmp_path, 1.0)
+    path = os.pathsep.join([str(tmp_path), *sys.path])
+    cramped = ["bash", "-c", f"ulimit -f {size}; exec {sys.executable} -c '{ASK}'"]
+    environment = {**os.environ, "PYTHONPATH": path}
+    for _ in range(2):
+        done = subprocess.run(
+            cramped, env=environment, capture_output=True, text=True, check=True, timeout=120
+        )
+        assert done.stdout.split()[:2] == ["4.0", "0"]
+    assert ask(tmp_path)[:2] == (4.0, 0)
+    assert ask(tmp_path)[:2] == (4.0, 1)

@@ -8,10 +8,10 @@ import pytest
 
 from farhand.common.messages.base import SCHEMA
 from farhand.common.messages.scene import Obstacle
-from farhand.robot_side.obstacle_field import ObstacleField
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.scene.obstacle_field import ObstacleField
 from farhand.runs.scenario import load_scenario
 from farhand.testing import ScriptedLink, ScriptedRobot, command, echo_of
 

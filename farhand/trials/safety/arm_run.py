@@ -12,10 +12,10 @@ from farhand.common.shapes.plane import Plane
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel, model
 from farhand.robot_side.kernel.distance import capsule_row, distance_floor
-from farhand.robot_side.obstacle_field import ObstacleField
 from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Body, Joints, placed, self_gaps
 from farhand.robot_side.safety.guard.settings import GuardSettings
-from farhand.robot_side.surroundings import Surroundings, surroundings_of
+from farhand.robot_side.scene.obstacle_field import ObstacleField
+from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
 from farhand.trials.safety.adversary import Adversary
 from farhand.trials.safety.outcome import Case, Outcome
 from farhand.trials.safety.scenes import draw_scene, plane, sampled

@@ -11,10 +11,10 @@ from farhand.common.seeds import stream
 from farhand.common.shapes.distance import distance_to
 from farhand.common.shapes.obstacle import Obstacle
 from farhand.robot_side.kernel.distance import capsule_row
-from farhand.robot_side.obstacle_field import ObstacleField
 from farhand.robot_side.robots.pybullet_box import BoxRobot
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.safety.guard.tool_guard import ToolGuard
+from farhand.robot_side.scene.obstacle_field import ObstacleField
 from farhand.trials.safety.adversary import Adversary
 from farhand.trials.safety.outcome import Case, Outcome
 from farhand.trials.safety.scenes import draw_scene, plane, sampled

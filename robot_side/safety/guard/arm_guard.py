@@ -15,7 +15,7 @@ from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY, 
 from farhand.robot_side.kernel.qp import SOLVED
 from farhand.robot_side.kernel.velocity import MAX_ACCELERATION, YIELDED
 from farhand.robot_side.safety.guard.settings import GuardSettings
-from farhand.robot_side.surroundings import Surroundings
+from farhand.robot_side.scene.surroundings import Surroundings
 
 ROWS = 40
 """More than these cannot bind at once; the ones that are broken most are kept."""

@@ -14,7 +14,7 @@ from farhand.robot_side.kernel.distance import capsule_row
 from farhand.robot_side.kernel.guard import SHORT_LEVER
 from farhand.robot_side.safety.guard.arm_guard import body_of, placed, self_gaps
 from farhand.robot_side.safety.guard.settings import GuardSettings
-from farhand.robot_side.surroundings import Surroundings, surroundings_of
+from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
 
 
 class Start(Protocol):

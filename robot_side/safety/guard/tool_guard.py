@@ -23,7 +23,7 @@ from farhand.robot_side.kernel.sphere_guard import (
     guard,
 )
 from farhand.robot_side.safety.guard.settings import GuardSettings
-from farhand.robot_side.surroundings import Surroundings
+from farhand.robot_side.scene.surroundings import Surroundings
 
 SPARE = 0.002
 """m, kept besides d_min for what lies between two ticks."""

@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from farhand.runs.console import page
 
 from farhand.cli import run
+from farhand.common.process.console import page
 from farhand.common.result_file import write_result
 from farhand.operator_side.result import OperatorResult
 from farhand.robot_side.result import RobotResult

@@ -13,7 +13,7 @@ from farhand.common.shapes.distance import distance_to
 from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.pose import rotation
-from farhand.robot_side.obstacle_field import NOTHING_NEAR, ObstacleField
+from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 from tests.common.shapes.shape_strategies import make_mesh, obstacles, points
 
 SECOND = 1_000_000_000

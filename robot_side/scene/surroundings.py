@@ -46,8 +46,8 @@ class Surroundings:
     def move(self, index: int, position: Sequence[float], velocity: Sequence[float]) -> None:
         """Put one obstacle elsewhere (m, m/s)."""
         row = self.rows[index]
-        row[POSITION], row[POSITION + 1], row[POSITION + 2] = position
-        row[VELOCITY], row[VELOCITY + 1], row[VELOCITY + 2] = velocity
+        row[POSITION : POSITION + 3] = position
+        row[VELOCITY : VELOCITY + 3] = velocity
 
 
 def surroundings_of(obstacles: Sequence[Obstacle]) -> Surroundings:

@@ -7,10 +7,10 @@ import numpy as np
 
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.scene import Obstacle
-from farhand.common.shapes.obstacle import moved, place
+from farhand.common.shapes.obstacle import moved, way_of
 from farhand.common.shapes.pose import rotation
 from farhand.common.shapes.sphere import Sphere
-from farhand.robot_side.surroundings import Surroundings, surroundings_of
+from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
 
 NOTHING_NEAR = 1e6
 _FEW = 24  # up to here a plain loop beats numpy's call overhead
@@ -27,7 +27,7 @@ class ObstacleField:
     def __init__(self, obstacles: Sequence[Obstacle], start_ns: int) -> None:
         self._obstacles = tuple(obstacles)
         self._start_ns = self._table_ns = start_ns
-        self._movers = [(index, o) for index, o in enumerate(obstacles) if o.moves]
+        self._movers = [(index, way_of(o)) for index, o in enumerate(obstacles) if o.moves]
         self._still = not self._movers
         self._table = surroundings_of(self._obstacles)
         # Spheres that stand or move straight on, the common case, are a loop over plain numbers.
@@ -37,7 +37,13 @@ class ObstacleField:
         self._velocities = np.array([o.velocity for o, _ in spheres]).reshape(-1, 3)
         self._radii = np.array([radius for _, radius in spheres])
         self._others = [
-            (o, o.shape.distance, o.shape.bounding_radius, rotation(o.orientation))
+            (
+                o.position,
+                way_of(o) if o.moves else None,
+                o.shape,
+                o.shape.bounding_radius,
+                rotation(o.orientation),
+            )
             for o in obstacles
             if not isinstance(o.shape, Sphere) or o.path
         ]
@@ -54,39 +60,37 @@ class ObstacleField:
         if self._movers and now_ns != self._table_ns:
             self._table_ns = now_ns
             t = (now_ns - self._start_ns) * 1e-9
-            for index, obstacle in self._movers:
-                self._table.move(index, *place(obstacle, t))
+            for index, way in self._movers:
+                self._table.move(index, *way(t))
         return self._table
 
     def clearance(self, point: Vector3, radius: float, now_ns: int) -> float:
         """Distance of a sphere around `point` to the nearest obstacle at `now_ns` (m); 1e6 without any."""
         t = 0.0 if self._still else (now_ns - self._start_ns) * 1e-9
-        nearest = self._to_spheres(point, t)
-        if self._others:
-            nearest = self._to_others(point, t, nearest)
-        return min(nearest, NOTHING_NEAR + radius) - radius
-
-    def _to_spheres(self, point: Vector3, t: float) -> float:
+        nearest = NOTHING_NEAR + radius
         if len(self._few) > _FEW:
             offsets = self._centres + t * self._velocities - np.asarray(point)
-            gaps = np.sqrt(np.einsum("ij,ij->i", offsets, offsets)) - self._radii
-            return float(gaps.min())
-        x, y, z = point
-        nearest = math.inf
-        for px, py, pz, r, vx, vy, vz in self._few:
-            dx, dy, dz = px + t * vx - x, py + t * vy - y, pz + t * vz - z
-            gap = math.sqrt(dx * dx + dy * dy + dz * dz) - r
-            if gap < nearest:
-                nearest = gap
-        return nearest
+            nearest = float((np.sqrt(np.einsum("ij,ij->i", offsets, offsets)) - self._radii).min())
+        else:
+            x, y, z = point
+            for px, py, pz, r, vx, vy, vz in self._few:
+                dx, dy, dz = px + t * vx - x, py + t * vy - y, pz + t * vz - z
+                gap = math.sqrt(dx * dx + dy * dy + dz * dz) - r
+                if gap < nearest:
+                    nearest = gap
+        if self._others:
+            nearest = self._to_others(point, t, nearest)
+        return nearest - radius
 
     def _to_others(self, point: Vector3, t: float, nearest: float) -> float:
         """The distance to the nearest shape, or `nearest` where none is nearer (m)."""
         x, y, z = point
-        for obstacle, distance, bound, ((a, b, c), (d, e, f), (g, h, i)) in self._others:
-            px, py, pz = place(obstacle, t)[0] if obstacle.moves else obstacle.position
+        for position, way, shape, bound, ((a, b, c), (d, e, f), (g, h, i)) in self._others:
+            px, py, pz = position if way is None else way(t)[0]
             dx, dy, dz = x - px, y - py, z - pz
             if math.sqrt(dx * dx + dy * dy + dz * dz) - bound < nearest:
-                gap = distance(a * dx + d * dy + g * dz, b * dx + e * dy + h * dz, c * dx + f * dy + i * dz)
+                gap = shape.distance(
+                    a * dx + d * dy + g * dz, b * dx + e * dy + h * dz, c * dx + f * dy + i * dz
+                )
                 nearest = min(nearest, gap)
         return nearest

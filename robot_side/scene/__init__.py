@@ -1,0 +1,1 @@
+"""What stands and moves around the robot: the truth, and the table of it that compiled code reads."""
