@@ -251,5 +251,5 @@ def _mark_interruptions(above: Any, below: Any, summary: RunSummary, silences: S
         if up or down:
             note = f"lost: {up} up, {down} down"
             below.text(0.02, 0.04, note, transform=below.transAxes, fontsize=6.5, color=GREY)
-    if silences or summary.interruptions:
+    if silences or stops:  # a hold has no mark of its own
         below.legend(frameon=False, loc="upper right", ncols=2)
