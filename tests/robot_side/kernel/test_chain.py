@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from farhand.common.seeds import stream
-from farhand.robot_side.arm.model import TOOL_FRAME, urdf_path
+from farhand.robot_side.arm.model import model
 from farhand.robot_side.kernel.chain import forward, pack, point_jacobian
 
 
@@ -16,41 +16,41 @@ def room(n):
     return np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((3, 3)), np.empty(3), np.empty((6, n))
 
 
-@pytest.fixture(scope="module")
-def ur5():
-    model = pin.buildModelFromUrdf(str(urdf_path()))
-    places = [model.jointPlacements[i] for i in range(1, model.njoints)]
-    axes = []
-    for i in range(1, model.njoints):
-        name = model.joints[i].shortname()
-        axes.append(np.eye(3)["XYZ".index(name[-1])])
-    tool = model.frames[model.getFrameId(TOOL_FRAME)].placement
-    chain = pack(
-        np.array([place.rotation for place in places]),
-        np.array([place.translation for place in places]),
-        np.array(axes),
-        tool.rotation,
-        tool.translation,
-    )
-    return model, model.createData(), chain
+class Both:
+    """A known arm for Pinocchio and for the kernel."""
+
+    def __init__(self, name):
+        arm = model(name)
+        self.n = arm.n
+        self.pinocchio = pin.buildModelFromXML(arm.urdf)
+        self.data = self.pinocchio.createData()
+        self.frame = self.pinocchio.getFrameId(arm.tool_frame)
+        self.chain = pack(
+            arm.R_parent_joint, arm.p_parent_joint, arm.axes, arm.R_last_tool, arm.p_last_tool
+        )
 
 
+ARMS = {name: Both(name) for name in ("ur5", "panda")}
+
+
+@pytest.mark.parametrize("name", list(ARMS))
 @settings(max_examples=100, deadline=None)
-@given(st.lists(st.floats(-7.0, 7.0), min_size=6, max_size=6))
-def test_the_ur5_is_pinocchios(ur5, q):
-    model, data, chain = ur5
-    q = np.array(q)
-    R, p, R_tool, p_tool, J = room(6)
-    forward(chain, q, R, p, R_tool, p_tool, J)
-    frame = model.getFrameId(TOOL_FRAME)
-    expected = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-    pose = pin.updateFramePlacement(model, data, frame)
+@given(st.lists(st.floats(-7.0, 7.0), min_size=7, max_size=7))
+def test_known_arms_are_pinocchios(name, q):
+    both = ARMS[name]
+    q = np.array(q[: both.n])
+    R, p, R_tool, p_tool, J = room(both.n)
+    forward(both.chain, q, R, p, R_tool, p_tool, J)
+    expected = pin.computeFrameJacobian(
+        both.pinocchio, both.data, q, both.frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    )
+    pose = pin.updateFramePlacement(both.pinocchio, both.data, both.frame)
     assert np.abs(J - expected).max() < 1e-12
     assert np.abs(R_tool - pose.rotation).max() < 1e-12
     assert np.abs(p_tool - pose.translation).max() < 1e-12
-    for i in range(6):
-        assert np.abs(R[i] - data.oMi[i + 1].rotation).max() < 1e-12
-        assert np.abs(p[i] - data.oMi[i + 1].translation).max() < 1e-12
+    for i in range(both.n):
+        assert np.abs(R[i] - both.data.oMi[i + 1].rotation).max() < 1e-12
+        assert np.abs(p[i] - both.data.oMi[i + 1].translation).max() < 1e-12
 
 
 def any_chain(rng, n):
