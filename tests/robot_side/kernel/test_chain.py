@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.model import model
-from farhand.robot_side.kernel.chain import forward, pack, point_jacobian
+from farhand.robot_side.kernel.chain import forward, pack, point_jacobian, tool_state
 
 
 def room(n):
@@ -25,9 +25,7 @@ class Both:
         self.pinocchio = pin.buildModelFromXML(arm.urdf)
         self.data = self.pinocchio.createData()
         self.frame = self.pinocchio.getFrameId(arm.tool_frame)
-        self.chain = pack(
-            arm.R_parent_joint, arm.p_parent_joint, arm.axes, arm.R_last_tool, arm.p_last_tool
-        )
+        self.chain = pack(arm.R_parent_joint, arm.p_parent_joint, arm.axes, arm.R_last_tool, arm.p_last_tool)
 
 
 ARMS = {name: Both(name) for name in ("ur5", "panda")}
@@ -103,3 +101,15 @@ def test_a_point_on_a_link_moves_with_the_joints_before_it_only():
         there = place()
         forward(chain, q - step, R, p, R_tool, p_tool, J)
         assert found[:3, i] == pytest.approx((there - place()) / 2e-6, abs=1e-8)
+
+
+def test_the_state_of_the_tool_is_eigens_to_the_sign():
+    rng = stream(3, "chain", "state")
+    for _ in range(200):
+        turn = rng.normal(size=3)
+        R = pin.exp3(np.pi * turn / np.linalg.norm(turn) * rng.uniform(0, 2))
+        p, J, qd = rng.normal(size=3), rng.normal(size=(6, 7)), rng.normal(size=7)
+        out = np.empty(13)
+        tool_state(R, p, J, qd, out)
+        x, y, z, w = pin.Quaternion(R).coeffs()
+        assert out == pytest.approx([*p, *(J[:3] @ qd), w, x, y, z, *(J[3:] @ qd)], abs=1e-12)
