@@ -450,6 +450,8 @@ NOTHING_DONE, ROWS_BOUND, HALVED, BRAKING_NOW, PINCHED, BAD = range(6)
 # report: what, capsule, other, distance, least distance of all, its capsule, its other, rows
 WHAT, PART, OTHER, DISTANCE, NEAREST, NEAR_PART, NEAR_OTHER, ROWS = range(8)
 REPORT = 8
+OBEDIENT = 0.02
+"""rad/s: joints that are less than this off what they are told are taken to do it."""
 TIGHT = 1e-6
 """m/s: a row that is kept by less than this has changed the answer."""
 
@@ -484,6 +486,29 @@ def tightest(rows_out, b_out, facts, count, qd):
 
 
 @compiled
+def can_stop(
+    chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices,
+    watched, count, par,
+):  # fmt: skip
+    """As way_is_clear, for joints that do what they are told, and for such that stay as far from it as they are now."""
+    found = way_is_clear(
+        chain, capsules, reach, pairs, slack, q, qd, acceleration, rows, vertices, watched, count, par
+    )
+    if not found[0]:
+        return found
+    n = q.shape[0]
+    off, other = 0.0, np.empty(n)
+    for i in range(n):
+        off = max(off, abs(actual[i] - previous[i]))
+        other[i] = qd[i] + actual[i] - previous[i]
+    if off < OBEDIENT:
+        return found
+    return way_is_clear(
+        chain, capsules, reach, pairs, slack, q, other, acceleration, rows, vertices, watched, count, par
+    )
+
+
+@compiled
 def guarded_tick(
     chain, limits, home, capsules, reach, pairs, slack, par, rows, vertices,
     q, actual, previous, v, w, R_wanted, asked, by_law,
@@ -507,6 +532,12 @@ def guarded_tick(
     )  # fmt: skip
     report[WHAT], report[PART], report[OTHER], report[DISTANCE] = NOTHING_DONE, -1, -1, NOTHING
     report[NEAREST], report[NEAR_PART], report[NEAR_OTHER], report[ROWS] = near, near_part, near_other, count
+    if count > 0:
+        # near to something the joints are asked for no more than they can do for sure, so that they do as told
+        for i in range(n):
+            sure = par[STOP_SHARE] * acceleration[i] * par[DT]
+            low[i] = min(max(low[i], previous[i] - sure), previous[i] + sure)
+            high[i] = min(max(high[i], previous[i] - sure), previous[i] + sure)
     share = 0.0
     if by_law:
         status, share = velocity(
@@ -521,9 +552,10 @@ def guarded_tick(
             report[PART], report[OTHER], report[DISTANCE] = facts[tight, 1], facts[tight, 2], facts[tight, 0]
     else:
         report[WHAT] = BAD
-    clear, part, other = way_is_clear(
-        chain, capsules, reach, pairs, slack, q, qd, acceleration, rows, vertices, watched, watching, par
-    )
+    clear, part, other = can_stop(
+        chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices,
+        watched, watching, par,
+    )  # fmt: skip
     if not clear:
         stop = np.empty(n)
         together(previous, acceleration, par[STOP_SHARE], par[DT], low, high, stop)
@@ -533,9 +565,10 @@ def guarded_tick(
         for m in range(watching):
             if watched[m, 0] == part and watched[m, 1] == other:
                 report[DISTANCE] = watched[m, 4]
-        clear, _, _ = way_is_clear(
-            chain, capsules, reach, pairs, slack, q, qd, acceleration, rows, vertices, watched, watching, par
-        )
+        clear, _, _ = can_stop(
+            chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices,
+            watched, watching, par,
+        )  # fmt: skip
         share *= 0.5
         if not clear:
             report[WHAT] = BRAKING_NOW

@@ -22,7 +22,7 @@ from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
-from farhand.robot_side.safety.guard.arm_guard import ArmGuard
+from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Joints
 from farhand.robot_side.safety.guard.start import check_arm_clear
 from farhand.robot_side.scene.surroundings import Surroundings
 
@@ -171,7 +171,7 @@ class ArmRobot(ArmWorld, Robot):
         wanted, R_base_wanted = self._wanted, self.control.R_base_wanted
         self._drive(
             self._guard.command(
-                self._q, self._qd, self._commanded, wanted, omega, R_base_wanted, surroundings, asked
+                Joints(self._q, self._qd, self._commanded), wanted, omega, R_base_wanted, surroundings, asked
             )
         )
 

@@ -12,7 +12,7 @@ from farhand.common.shapes.plane import Plane
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel, model
 from farhand.robot_side.kernel.distance import capsule_row, distance_floor
-from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Body, placed, self_gaps
+from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Body, Joints, placed, self_gaps
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.obstacle_field import ObstacleField
 from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
@@ -226,10 +226,8 @@ def run_arm(seed: int, case: Case, settings: GuardSettings) -> Outcome:
             reason = "pinched" if t - pinch_at < 0.5 else "unexplained"
         tool = kinematics.tool(body.q)
         twist = adversary.command()
-        commanded = guard.command(
-            body.q, body.qd, commanded, np.ascontiguousarray(twist[:3]), np.ascontiguousarray(twist[3:]), wanted,
-            seen.table(now_ns),
-        )  # fmt: skip
+        v, w = np.ascontiguousarray(twist[:3]), np.ascontiguousarray(twist[3:])
+        commanded = guard.command(Joints(body.q, body.qd, commanded), v, w, wanted, seen.table(now_ns))
         busy += guard.did is not None
         body.step(commanded)
         way += DT * float(np.linalg.norm(tool.jacobian[:3] @ body.qd))

@@ -1,6 +1,7 @@
 """The guard of an arm: rows for its velocity control, and a check of what that answers."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,6 +88,17 @@ def placed(body: Body, q: Array) -> tuple[Array, Array]:
     return A, B
 
 
+class Joints(NamedTuple):
+    """Attributes:
+    q, qd: (n,) positions and velocities now (rad, rad/s).
+    commanded: (n,) velocities commanded last (rad/s).
+    """
+
+    q: Array
+    qd: Array
+    commanded: Array
+
+
 class ArmGuard:
     """Takes the place of the velocity control's tick, with rows and a check of its own. Nothing throws.
 
@@ -134,21 +146,12 @@ class ArmGuard:
         self.pinched = self.braked = self.failures = 0
         # compiled, or loaded, now and not in the first period
         nothing = Surroundings(np.zeros((0, COLUMNS)), np.zeros((0, 3)), ())
-        self.command(
-            self._home,
-            np.zeros(n),
-            np.zeros(n),
-            np.zeros(3),
-            np.zeros(3),
-            arm.tool_pose(arm.home)[0],
-            nothing,
-        )
+        still, upright = np.zeros(n), np.ascontiguousarray(arm.tool_pose(arm.home)[0])
+        self.command(Joints(self._home, still, still), np.zeros(3), np.zeros(3), upright, nothing)
 
     def command(
         self,
-        q: Array,
-        actual: Array,
-        previous: Array,
+        joints: Joints,
         v: Array,
         w: Array,
         R_base_wanted: Array,
@@ -158,9 +161,7 @@ class ArmGuard:
         """Joint velocities to command now (n,), rad/s; the array is the same at every call.
 
         Args:
-            q: (n,) joint positions (rad).
-            actual: (n,) joint velocities (rad/s).
-            previous: (n,) commanded last (rad/s); may be the array that this returned.
+            joints: as they are, and as they were told last; that may be the array that this returned.
             v, w: (3,) commanded twist of the tool, in base (m/s, rad/s).
             R_base_wanted: (3, 3) orientation that the tool keeps; is turned by as much of w as is followed.
             around: the obstacles now.
@@ -169,12 +170,12 @@ class ArmGuard:
         """
         body, report = self.body, self._report
         by_law = asked is None
-        self._previous[:] = previous  # may be the array that is filled
+        self._previous[:] = joints.commanded  # may be the array that is filled
         if asked is not None:
             self._asked[:] = asked
         status = kernel.guarded_tick(
             body.chain, self._limits, self._home, body.capsules, body.reach, body.pairs, body.slack, self._par,
-            around.rows, around.vertices, q, actual, self._previous, v, w, R_base_wanted, self._asked, by_law,
+            around.rows, around.vertices, joints.q, joints.qd, self._previous, v, w, R_base_wanted, self._asked, by_law,
             self._R, self._p, self._R_tool, self._p_tool, self._J,
             self._A, self._b, self._facts, self._watched, self._qd, report,
         )  # fmt: skip
