@@ -1,6 +1,7 @@
 """MessagePack <-> messages, validated at the edge: what is not exactly right is refused and counted."""
 
 import math
+import re
 import zlib
 from collections import Counter
 from typing import Generic, TypeVar
@@ -53,6 +54,11 @@ def _checks(payload: bytes, check: int) -> bool:
     return payload[-11:-4] == _CHECK_KEY and zlib.crc32(payload[:-4]) == check
 
 
+# A number that is not finite has all bits of its exponent set. Elsewhere those bytes mean nothing, so that only where
+# they are found is every field looked at.
+_MAY_BE_NON_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]|\xca[\x7f\xff][\x80-\xff]", re.DOTALL).search
+
+
 class Decoder(Generic[M]):
     """Decodes one kind of message and counts what it refuses.
 
@@ -90,7 +96,7 @@ class Decoder(Generic[M]):
             msgspec.structs.force_setattr(message, "check", msgspec.UNSET)
         if message.schema != SCHEMA:
             raise CodecError("schema", f"version {message.schema}, this program speaks {SCHEMA}")
-        field = _non_finite_field(message)
+        field = _non_finite_field(message) if _MAY_BE_NON_FINITE(payload) else None
         if field is not None:
             raise CodecError("non-finite", f"field {field}")
         return message

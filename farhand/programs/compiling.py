@@ -7,7 +7,8 @@ from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.prepare import prepare
 
 SAY_AFTER = 1.0
-LINE = "compiling the solver, once on this machine: some 20 s ..."
+"""(s). Loading what is compiled takes less, unless the machine is busy, so the line promises no compilation."""
+LINE = "preparing the solver; the first time on a machine it is compiled, in some 20 s ..."
 
 
 def prepare_aloud(controller: Controller, tell: Callable[[str], None], patience: float = SAY_AFTER) -> None:

@@ -9,8 +9,10 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.common.result_file import write_whole
+from farhand.common.shapes.obstacle import moved
 from farhand.operator_side.result import Sample, Span
 from farhand.runs.scenario import Scenario
+from farhand.runs.scene_drawing import draw_shapes, draw_ways, seen_inside
 from farhand.runs.summary import RunSummary, motion_start
 
 WIDTH = 7.16  # inches: two columns of an IEEE page
@@ -106,17 +108,16 @@ def plane_of(scenario: Scenario, path: Array) -> tuple[int, int]:
 def passing(scenario: Scenario, path: Array, plane: tuple[int, int]) -> Array:
     """(n,) whether the tool is drawn inside the outline of a limit that it is in front of or behind.
 
-    The rings are outlines of spheres: in the plane of the drawing the tool may be inside one, in space it is not.
+    The rings are outlines of solids: in the plane of the drawing the tool may be inside one, in space it is not.
     """
     keep = scenario.robot.radius + scenario.controller.d_min
     found = np.zeros(len(path), dtype=bool)
-    t = path[:, 0] - (path[0, 0] if len(path) else 0.0)
     for obstacle in scenario.obstacles:
-        centres = np.asarray(obstacle.position) + t[:, None] * np.asarray(obstacle.velocity)
-        size = obstacle.shape.bounding_radius
-        offsets = path[:, 1:4] - centres
-        drawn = np.linalg.norm(offsets[:, list(plane)], axis=1)
-        found |= (drawn < size + keep) & (np.linalg.norm(offsets, axis=1) >= size + keep)
+        places = path[:, 1:4]
+        if obstacle.moves:  # the tool as seen by somebody who rides on it
+            way = [moved(obstacle, t).position for t in (path[:, 0] - path[:1, 0]).tolist()]
+            places = places - np.array(way).reshape(-1, 3) + np.array(obstacle.position)
+        found |= seen_inside(obstacle, plane, places, keep)
     return found
 
 
@@ -131,7 +132,7 @@ def margin_when_nearest(series: Series) -> float:
 
 def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, series: Series) -> None:
     a, b = plane_of(scenario, path)
-    _draw_obstacles(axes, scenario, (a, b), margin_when_nearest(series))
+    _draw_obstacles(axes, scenario, (a, b), path, margin_when_nearest(series))
     hidden = passing(scenario, path, (a, b))
     x, y = path[:, 1 + a], path[:, 1 + b]
     axes.plot(x, np.where(hidden, np.nan, y), color=BLUE, lw=1.3, label="tool")
@@ -157,27 +158,24 @@ def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, 
     )
 
 
-def _draw_obstacles(axes: Any, scenario: Scenario, plane: tuple[int, int], inflation: float) -> None:
-    from matplotlib.patches import Circle
-
+def _draw_obstacles(
+    axes: Any, scenario: Scenario, plane: tuple[int, int], path: Array, inflation: float
+) -> None:
+    """All obstacles: those that move where they were when the clearance was least, and their way."""
     keep = scenario.robot.radius + scenario.controller.d_min
-    for index, obstacle in enumerate(scenario.obstacles):
-        centre = obstacle.position[plane[0]], obstacle.position[plane[1]]
-        size = obstacle.shape.bounding_radius
-        rings: list[tuple[float, str, dict[str, Any]]] = [
-            (size, "obstacle", {"color": GREY, "alpha": 0.75, "lw": 0}),
-            (
-                size + keep,
-                "tool centre's limit",
-                {"fill": False, "lw": 0.9, "ls": "--", "ec": RED},
-            ),
-        ]
-        if inflation > 0:
-            label = f"with the margin when nearest, {inflation * 1e3:.0f} mm"
-            style = {"fill": False, "lw": 0.9, "ls": ":", "ec": ORANGE}
-            rings.append((size + keep + inflation, label, style))
-        for radius, label, style in rings:
-            axes.add_patch(Circle(centre, radius, label=label if index == 0 else None, **style))
+    rings: list[tuple[float, str, dict[str, Any]]] = [
+        (0.0, "obstacle", {"color": GREY, "alpha": 0.75, "lw": 0}),
+        (keep, "tool centre's limit", {"fill": False, "lw": 0.9, "ls": "--", "ec": RED}),
+    ]
+    if inflation > 0:
+        label = f"with the margin when nearest, {inflation * 1e3:.0f} mm"
+        rings.append((keep + inflation, label, {"fill": False, "lw": 0.9, "ls": ":", "ec": ORANGE}))
+    since = float(path[int(path[:, 4].argmin()), 0] - path[0, 0]) if len(path) else 0.0
+    hidden = draw_shapes(axes, [moved(o, since) for o in scenario.obstacles], plane, rings)
+    draw_ways(axes, scenario.obstacles, plane, float(path[-1, 0] - path[0, 0]) if len(path) else 0.0)
+    if hidden:
+        note = f"not drawn, as not seen from the side: {', '.join(hidden)}"
+        axes.text(0.02, 0.01, note, transform=axes.transAxes, fontsize=6.5, color=GREY)
 
 
 def _mark_stops(axes: Any, summary: RunSummary, path: Array, plane: tuple[int, int]) -> None:
@@ -251,5 +249,5 @@ def _mark_interruptions(above: Any, below: Any, summary: RunSummary, silences: S
         if up or down:
             note = f"lost: {up} up, {down} down"
             below.text(0.02, 0.04, note, transform=below.transAxes, fontsize=6.5, color=GREY)
-    if silences or summary.interruptions:
+    if silences or stops:  # a hold has no mark of its own
         below.legend(frameon=False, loc="upper right", ncols=2)

@@ -5,7 +5,7 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.kinematics import ToolKinematics
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.kernel.chain import forward, pack
+from farhand.robot_side.kernel.chain import forward, pack, tool_state
 
 
 class ArmChain:
@@ -26,6 +26,7 @@ class ArmChain:
         self.R_base_joint: Array = np.zeros((n, 3, 3))
         self.p_base_joint: Array = np.zeros((n, 3))
         self.tool = ToolKinematics(np.zeros(3), np.zeros((3, 3)), np.zeros((6, n)))
+        self._state: Array = np.zeros(13)
         self.at(arm.home)
 
     def at(self, q: Array) -> ToolKinematics:
@@ -41,3 +42,14 @@ class ArmChain:
             tool.jacobian,
         )
         return tool
+
+    def state(self, qd: Array) -> list[float]:
+        """Of the tool at the last q: position (m), velocity (m/s), orientation (w, x, y, z), turning (rad/s).
+
+        Args:
+            qd: (n,) joint velocities (rad/s).
+        """
+        tool = self.tool
+        tool_state(tool.R_base_tool, tool.position, tool.jacobian, qd, self._state)
+        values: list[float] = self._state.tolist()
+        return values

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from farhand.common.geometry import Array
+from farhand.common.geometry import Array, norm
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel.velocity import SINGULAR_BELOW
@@ -29,7 +29,7 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
         commanded: (n,) joint velocities that were commanded for it (rad/s).
         wanted: (3,) tool velocity (m/s).
     """
-    speed = float(np.linalg.norm(wanted))
+    speed = norm(wanted.tolist())
     if speed < SLOW or float((jacobian[:3] @ commanded) @ wanted) >= FOLLOWED * speed**2:
         return ""
     # What the joints would have to do, a little damped, so that a singular arm has an answer as well.

@@ -90,3 +90,35 @@ def point_jacobian(chain, R, p, joints, point, J):
         J[0, i] = J[4, i] * z - J[5, i] * y
         J[1, i] = J[5, i] * x - J[3, i] * z
         J[2, i] = J[3, i] * y - J[4, i] * x
+
+
+@compiled
+def tool_state(R_tool, p_tool, J, qd, out):
+    """Fill out (13,): position (m), velocity (m/s), orientation (w, x, y, z), angular velocity (rad/s), in base."""
+    for k in range(3):
+        out[k] = p_tool[k]
+        out[3 + k], out[10 + k] = 0.0, 0.0
+        for i in range(qd.shape[0]):
+            out[3 + k] += J[k, i] * qd[i]
+            out[10 + k] += J[3 + k, i] * qd[i]
+    trace = R_tool[0, 0] + R_tool[1, 1] + R_tool[2, 2]
+    if trace > 0.0:
+        t = np.sqrt(trace + 1.0)
+        out[6] = 0.5 * t
+        t = 0.5 / t
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            out[7 + i] = (R_tool[k, j] - R_tool[j, k]) * t
+        return
+    i = 0
+    if R_tool[1, 1] > R_tool[0, 0]:
+        i = 1
+    if R_tool[2, 2] > R_tool[i, i]:
+        i = 2
+    j, k = (i + 1) % 3, (i + 2) % 3
+    t = np.sqrt(R_tool[i, i] - R_tool[j, j] - R_tool[k, k] + 1.0)
+    out[7 + i] = 0.5 * t
+    t = 0.5 / t
+    out[6] = (R_tool[k, j] - R_tool[j, k]) * t
+    out[7 + j] = (R_tool[j, i] + R_tool[i, j]) * t
+    out[7 + k] = (R_tool[k, i] + R_tool[i, k]) * t

@@ -6,10 +6,9 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 
 from farhand.common.errors import ScenarioError
-from farhand.common.geometry import Array, Twist, to_vector3
+from farhand.common.geometry import Array, Twist
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
@@ -155,14 +154,8 @@ class ArmRobot(ArmWorld, Robot):
 
     def sample(self) -> RobotSample:
         """The state now."""
-        x, y, z, w = pin.Quaternion(self._tool.R_base_tool).coeffs().tolist()
-        return RobotSample(
-            to_vector3(self._tool.position.tolist()),
-            to_vector3((self._tool.jacobian[:3] @ self._qd).tolist()),
-            (w, x, y, z),
-            tuple(self._q.tolist()),
-            to_vector3((self._tool.jacobian[3:] @ self._qd).tolist()),
-        )
+        px, py, pz, vx, vy, vz, a, b, c, d, wx, wy, wz = self._chain.state(self._qd)
+        return RobotSample((px, py, pz), (vx, vy, vz), (a, b, c, d), tuple(self._q.tolist()), (wx, wy, wz))
 
     def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
         """One period of `dt` s under the commanded twist."""

@@ -37,6 +37,8 @@ class CommandIntake:
 
     def take(self, packets: Sequence[Packet], now_ns: int) -> None:
         """Judge what has arrived, in order; of a flood only the newest are looked at, the rest counted."""
+        if not packets:
+            return
         commands = [packet for packet in packets if packet.key == self._key]
         self.arrived += len(commands)
         excess = len(commands) - DECODES_PER_TICK

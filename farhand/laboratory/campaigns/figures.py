@@ -14,6 +14,7 @@ from farhand.laboratory.simulation import simulate_run
 from farhand.runs.figure import BLUE, GREEN, GREY, ORANGE, RED, STYLE, WIDTH, save
 from farhand.runs.run import COMPUTING_TIME
 from farhand.runs.scenario import Scenario
+from farhand.runs.scene_drawing import draw_shapes
 
 
 class Style(NamedTuple):
@@ -129,16 +130,13 @@ def _paths(plt: Any, scenario: Scenario, runs: dict[str, Array], delay: str, ind
 
 def _world(axes: Any, scenario: Scenario) -> None:
     """Obstacles; the band that the box's centre must not enter shaded, its edge dashed."""
-    from matplotlib.patches import Circle
-
     keep = scenario.robot.radius + scenario.controller.d_min
-    for number, obstacle in enumerate(scenario.obstacles):
-        centre = (obstacle.position[0], obstacle.position[2])
-        first, size = number == 0, obstacle.shape.bounding_radius
-        limit = {"label": "limit of the box's centre" if first else None}
-        axes.add_patch(Circle(centre, size + keep, fc=RED, alpha=0.12, lw=0))
-        axes.add_patch(Circle(centre, size + keep, fill=False, ec=RED, ls="--", lw=0.8, **limit))
-        axes.add_patch(Circle(centre, size, color=GREY, lw=0, label="obstacle" if first else None))
+    rings: list[tuple[float, str, dict[str, Any]]] = [
+        (keep, "", {"fc": RED, "alpha": 0.12, "lw": 0}),
+        (keep, "limit of the box's centre", {"fill": False, "ec": RED, "ls": "--", "lw": 0.8}),
+        (0.0, "obstacle", {"color": GREY, "lw": 0}),
+    ]
+    draw_shapes(axes, scenario.obstacles, (0, 2), rings)
 
 
 def _clearances(plt: Any, scenario: Scenario, runs: dict[str, Array], delay: str, index: int) -> Any:

@@ -54,6 +54,13 @@ def test_stops_and_silences_are_marked_in_both(axes):
     plt.close(made)
 
 
+def test_a_hold_alone_has_no_mark_and_so_no_legend(axes):
+    made, below = plt.subplots()
+    figure._mark_interruptions(axes, below, summary(interruptions=[(2.0, "hold", "no commands")]), [])
+    assert below.get_legend() is None
+    plt.close(made)
+
+
 def test_a_tool_in_front_of_a_limit_is_not_drawn_as_inside():
     x, y, z = OBSTACLE.position
     beside = [(0.0, x + KEEP + 0.1, y, z, 1.0)]

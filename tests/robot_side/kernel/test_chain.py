@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from farhand.common.seeds import stream
-from farhand.robot_side.arm.model import TOOL_FRAME, urdf_path
-from farhand.robot_side.kernel.chain import forward, pack, point_jacobian
+from farhand.robot_side.arm.model import model
+from farhand.robot_side.kernel.chain import forward, pack, point_jacobian, tool_state
 
 
 def room(n):
@@ -16,41 +16,39 @@ def room(n):
     return np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((3, 3)), np.empty(3), np.empty((6, n))
 
 
-@pytest.fixture(scope="module")
-def ur5():
-    model = pin.buildModelFromUrdf(str(urdf_path()))
-    places = [model.jointPlacements[i] for i in range(1, model.njoints)]
-    axes = []
-    for i in range(1, model.njoints):
-        name = model.joints[i].shortname()
-        axes.append(np.eye(3)["XYZ".index(name[-1])])
-    tool = model.frames[model.getFrameId(TOOL_FRAME)].placement
-    chain = pack(
-        np.array([place.rotation for place in places]),
-        np.array([place.translation for place in places]),
-        np.array(axes),
-        tool.rotation,
-        tool.translation,
-    )
-    return model, model.createData(), chain
+class Both:
+    """A known arm for Pinocchio and for the kernel."""
+
+    def __init__(self, name):
+        arm = model(name)
+        self.n = arm.n
+        self.pinocchio = pin.buildModelFromXML(arm.urdf)
+        self.data = self.pinocchio.createData()
+        self.frame = self.pinocchio.getFrameId(arm.tool_frame)
+        self.chain = pack(arm.R_parent_joint, arm.p_parent_joint, arm.axes, arm.R_last_tool, arm.p_last_tool)
 
 
+ARMS = {name: Both(name) for name in ("ur5", "panda")}
+
+
+@pytest.mark.parametrize("name", list(ARMS))
 @settings(max_examples=100, deadline=None)
-@given(st.lists(st.floats(-7.0, 7.0), min_size=6, max_size=6))
-def test_the_ur5_is_pinocchios(ur5, q):
-    model, data, chain = ur5
-    q = np.array(q)
-    R, p, R_tool, p_tool, J = room(6)
-    forward(chain, q, R, p, R_tool, p_tool, J)
-    frame = model.getFrameId(TOOL_FRAME)
-    expected = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-    pose = pin.updateFramePlacement(model, data, frame)
+@given(st.lists(st.floats(-7.0, 7.0), min_size=7, max_size=7))
+def test_known_arms_are_pinocchios(name, q):
+    both = ARMS[name]
+    q = np.array(q[: both.n])
+    R, p, R_tool, p_tool, J = room(both.n)
+    forward(both.chain, q, R, p, R_tool, p_tool, J)
+    expected = pin.computeFrameJacobian(
+        both.pinocchio, both.data, q, both.frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    )
+    pose = pin.updateFramePlacement(both.pinocchio, both.data, both.frame)
     assert np.abs(J - expected).max() < 1e-12
     assert np.abs(R_tool - pose.rotation).max() < 1e-12
     assert np.abs(p_tool - pose.translation).max() < 1e-12
-    for i in range(6):
-        assert np.abs(R[i] - data.oMi[i + 1].rotation).max() < 1e-12
-        assert np.abs(p[i] - data.oMi[i + 1].translation).max() < 1e-12
+    for i in range(both.n):
+        assert np.abs(R[i] - both.data.oMi[i + 1].rotation).max() < 1e-12
+        assert np.abs(p[i] - both.data.oMi[i + 1].translation).max() < 1e-12
 
 
 def any_chain(rng, n):
@@ -103,3 +101,15 @@ def test_a_point_on_a_link_moves_with_the_joints_before_it_only():
         there = place()
         forward(chain, q - step, R, p, R_tool, p_tool, J)
         assert found[:3, i] == pytest.approx((there - place()) / 2e-6, abs=1e-8)
+
+
+def test_the_state_of_the_tool_is_eigens_to_the_sign():
+    rng = stream(3, "chain", "state")
+    for _ in range(200):
+        turn = rng.normal(size=3)
+        R = pin.exp3(np.pi * turn / np.linalg.norm(turn) * rng.uniform(0, 2))
+        p, J, qd = rng.normal(size=3), rng.normal(size=(6, 7)), rng.normal(size=7)
+        out = np.empty(13)
+        tool_state(R, p, J, qd, out)
+        x, y, z, w = pin.Quaternion(R).coeffs()
+        assert out == pytest.approx([*p, *(J[:3] @ qd), w, x, y, z, *(J[3:] @ qd)], abs=1e-12)
