@@ -13,7 +13,7 @@ from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
-from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
+from farhand.programs.compiling import prepare_aloud
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.robot_side.robots.registry import check_scenario
 from farhand.runs.conclude import conclude
@@ -37,7 +37,6 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False) 
     stop_event = stop_event_on_signals()
     console = page(stderr=as_json)
     prepare_aloud(make_controller(run.scenario.controller), lambda line: say("demo", line))
-    prepare_robot_aloud(run.scenario, lambda line: say("demo", line))
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
     with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
         left = Path(left_in)

@@ -14,7 +14,6 @@ from farhand.common.process.teller import Teller
 from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.zenoh_log import tell_refusals
-from farhand.programs.compiling import prepare_robot_aloud
 from farhand.programs.sessions import random_session
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robot_node import RobotNode
@@ -58,7 +57,6 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         closing.callback(link.close)
         guard(session, folder, name, "robot", teller.say)
         PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)
-        prepare_robot_aloud(scenario, teller.say)
         robot = make_robot(scenario)
         closing.callback(_close, robot)
         teller.say(f"{name!r}, a {scenario.robot.kind}, at {access.where}; Ctrl-C ends it")
