@@ -14,6 +14,7 @@ from farhand.common.process.teller import Teller
 from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.zenoh_log import tell_refusals
+from farhand.programs.compiling import ROBOT_LINE, said_aloud
 from farhand.programs.sessions import random_session
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robot_node import RobotNode
@@ -57,7 +58,8 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         closing.callback(link.close)
         guard(session, folder, name, "robot", teller.say)
         PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)
-        robot = make_robot(scenario)
+        with said_aloud(ROBOT_LINE, teller.say):
+            robot = make_robot(scenario)
         closing.callback(_close, robot)
         teller.say(f"{name!r}, a {scenario.robot.kind}, at {access.where}; Ctrl-C ends it")
         node = RobotNode(scenario, robot, tell_systemd(link, stop_event), name, random_session())
