@@ -14,6 +14,7 @@ from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
+from farhand.commands.trials import trial_app
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.process.signals import die_with_parent, interrupt_on_signals, say
 from farhand.common.process.terminal import spare_the_terminal
@@ -39,6 +40,7 @@ register_programs(app)
 register_experiments(app)
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
+app.add_typer(trial_app, name="trial")
 app.add_typer(certs_app, name="certs")
 app.add_typer(arm_app, name="arm")
 

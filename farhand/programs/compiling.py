@@ -6,10 +6,13 @@ from contextlib import contextmanager
 
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.prepare import prepare
+from farhand.robot_side.robots.registry import check_scenario, prepare_robot
+from farhand.robot_side.robots.settings import RobotScenario
 
 SAY_AFTER = 1.0
-LINE = "compiling the solver, once on this machine: some 20 s ..."
-ROBOT_LINE = "compiling the robot's control, once on this machine: some 40 s ..."
+"""(s). Loading what is compiled takes less, unless the machine is busy, so the lines promise no compilation."""
+LINE = "preparing the solver; the first time on a machine it is compiled, in some 20 s ..."
+ROBOT_LINE = "preparing the robot's control; the first time on a machine it is compiled, in a minute or so ..."
 
 
 @contextmanager
@@ -31,6 +34,18 @@ def said_aloud(line: str, tell: Callable[[str], None], patience: float = SAY_AFT
 
 
 def prepare_aloud(controller: Controller, tell: Callable[[str], None], patience: float = SAY_AFTER) -> None:
-    """Prepare a controller, see `said_aloud`."""
+    """Prepare a controller, see `said_aloud`; raises InputError where it cannot."""
     with said_aloud(LINE, tell, patience):
         prepare(controller)
+
+
+def prepare_robot_aloud(
+    scenario: RobotScenario, tell: Callable[[str], None], patience: float = SAY_AFTER
+) -> None:
+    """Prepare what a scenario's robot needs, after a look at whether it can stand at its start at all.
+
+    Raises ScenarioError where it cannot.
+    """
+    with said_aloud(ROBOT_LINE, tell, patience):
+        check_scenario(scenario)
+        prepare_robot(scenario)

@@ -124,7 +124,7 @@ def guard(x, v, u_c, rows, vertices, par, u, facts):
     A, b = np.empty((CAPACITY, 3)), np.empty(CAPACITY)
     which, gaps = np.empty(CAPACITY, np.int64), np.empty(CAPACITY)
     count = 0
-    broken = False
+    broken, still = False, True
     for j in range(rows.shape[0]):
         floor = distance_floor(x, x, par[RADIUS], rows[j])
         if floor > facts[2] and par[KAPPA] * (floor - par[KEEP]) > 20.0 * par[FASTEST]:
@@ -132,6 +132,7 @@ def guard(x, v, u_c, rows, vertices, par, u, facts):
         d, _, nx, ny, nz = capsule_row(x, x, par[RADIUS], rows[j], vertices)
         facts[2] = min(facts[2], d)
         stands = _stands(rows[j])
+        still = still and stands
         wx, wy, wz = v[0] - rows[j, 16], v[1] - rows[j, 17], v[2] - rows[j, 18]
         nv = nx * v[0] + ny * v[1] + nz * v[2]
         nvo = nx * rows[j, 16] + ny * rows[j, 17] + nz * rows[j, 18]
@@ -162,6 +163,13 @@ def guard(x, v, u_c, rows, vertices, par, u, facts):
                 decisive, most = i, missing
         if decisive >= 0:
             facts[0], facts[1] = which[decisive], gaps[decisive]
+    if done == CHANGED and still:
+        # what it brakes with must not come on top of what was asked
+        most = max(asked, math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2))
+        speed = math.sqrt(u[0] ** 2 + u[1] ** 2 + u[2] ** 2)
+        if speed > most:
+            for k in range(3):
+                u[k] *= most / speed
     if asked > 0.0 or broken:
         hit = way_is_clear(x, v, u, rows, vertices, par)
         share = 1.0

@@ -144,6 +144,12 @@ class ArmRobot(ArmWorld, Robot):
         world.close()
         _controls(world, scenario)
 
+    @classmethod
+    def prepare(cls, scenario: RobotScenario) -> None:
+        """See Robot."""
+        if scenario.guard.on:
+            ArmGuard(chosen_arm(scenario.robot), scenario.guard, 0.0, 1.0 / scenario.robot.rate_hz)
+
     def sample(self) -> RobotSample:
         """The state now."""
         px, py, pz, vx, vy, vz, a, b, c, d, wx, wy, wz = self._chain.state(self._qd)

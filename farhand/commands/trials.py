@@ -1,0 +1,56 @@
+"""`farhand trial`: long trials that a figure in the documentation rests on."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from farhand.common.errors import InputError
+from farhand.common.timing.clock import local_timestamp
+
+trial_app = typer.Typer(help="Long trials: what the documents' figures rest on.", no_args_is_help=True)
+
+
+@trial_app.callback()
+def trial() -> None:
+    """Long trials: what the documents' figures rest on."""
+
+
+@trial_app.command()
+def guard(
+    robots: Annotated[str, typer.Option(help="Some of ur5,panda,point,box.")] = "ur5,panda,point,box",
+    share: Annotated[
+        float,
+        typer.Option(min=0.0001, max=100.0, help="Of the runs: 1000 UR5, 300 Panda, 2000 point, 2000 box."),
+    ] = 1.0,
+    speeds: Annotated[str, typer.Option(help="Of movers, m/s; 0: all stand.")] = "0,0.1,0.3,0.5",
+    seed: Annotated[int, typer.Option(min=0, help="Seed of scenes, commands and errors.")] = 1,
+    on: Annotated[bool, typer.Option("--guard/--no-guard", help="Whether there is a guard.")] = True,
+    workers: Annotated[
+        int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
+    ] = 0,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the results; a trial in it goes on.")
+    ] = None,
+) -> None:
+    """Commands that are chosen to collide, among random shapes: does the guard keep its distance?
+
+    Exit code 0: it does, movers of up to 0.3 m/s included. 1: it does not. 2: bad input.
+    """
+    from farhand.trials.safety.guard import RUNS, Trial, run_trial
+
+    named = tuple(word.strip() for word in robots.split(",") if word.strip())
+    for name in named:
+        if name not in RUNS:
+            raise InputError(f"--robots {name!r}: must be some of {','.join(RUNS)}")
+    try:
+        fast = tuple(float(word) for word in speeds.split(","))
+    except ValueError:
+        raise InputError(f"--speeds {speeds!r}: must be numbers with commas between them, m/s") from None
+    if not named or not all(0.0 <= speed <= 5.0 for speed in fast):
+        raise InputError(
+            f"--speeds {speeds!r}: must lie within 0 and 5 m/s" if named else "--robots: none named"
+        )
+    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-guard"
+    trial = Trial(robots=named, share=share, speeds=fast, seed=seed, guarded=on)
+    raise typer.Exit(run_trial(trial, folder, workers))

@@ -1,0 +1,99 @@
+"""The guard in the robot's program: between watchdog and robot, told in the state, counted in the result."""
+
+import msgspec
+import pytest
+
+from farhand.common.geometry import STILL
+from farhand.common.messages.intervention import Intervention
+from farhand.robot_side.robot_node import RobotNode
+from farhand.robot_side.robots.point import PointRobot
+from farhand.robot_side.safety.guard.settings import GuardSettings
+from farhand.runs.scenario import load_scenario, replace_settings
+from farhand.testing import ScriptedLink, ScriptedRobot, command, echo_of
+
+SCENARIO = replace_settings(
+    load_scenario("point-obstacle"),
+    {"obstacles": [{"id": "post", "position": [1.1, 0.0, 0.6], "radius": 0.2}], "targets": [[0.6, 0.0, 0.9]]},
+)
+
+
+def _drive(scenario, robot, seconds=2.0, velocity=(1.0, 0.0, 0.0)):
+    """A node whose operator drives as said; its states."""
+    link = ScriptedLink("r")
+    node = RobotNode(scenario, robot, link, "r", session=9)
+    now_ns, seq, states = node.step(0), 0, []
+    while now_ns < seconds * 1e9:
+        new = link.take("state")
+        states += new
+        if new:
+            seq += 1
+            link.feed(command(seq, velocity=velocity, plan=(velocity,) * 5, echo=echo_of(new[-1])))
+        now_ns = node.step(now_ns)
+    return node, states
+
+
+def test_it_stops_before_the_post_and_says_so():
+    robot = PointRobot(SCENARIO.start, SCENARIO.robot.lag)
+    node, states = _drive(SCENARIO, robot)
+    told = [state.guard for state in states if state.guard is not msgspec.UNSET]
+    assert told
+    assert all((did.part, did.obstacle, did.what) == ("tool", "post", "slowed") for did in told)
+    assert told[-1].asked == pytest.approx(1.0)
+    result = node.summary()
+    assert result.min_clearance is not None
+    assert SCENARIO.guard.d_min < result.min_clearance < 0.02
+    assert (result.guarded, result.guard_times) == (True, 1)
+    assert result.guard_seconds == pytest.approx(sum(result.guard_deeds.values()))
+    assert [(pair.part, pair.obstacle) for pair in result.guard_pairs] == [("tool", "post")]
+
+
+def test_switched_off_it_lets_it_collide():
+    off = msgspec.structs.replace(SCENARIO, guard=GuardSettings(on=False))
+    node, states = _drive(off, PointRobot(off.start, off.robot.lag))
+    result = node.summary()
+    assert result.min_clearance is not None
+    assert result.min_clearance < 0.0
+    assert not result.guarded
+    assert all(state.guard is msgspec.UNSET for state in states)
+
+
+class _Guarded(ScriptedRobot):
+    """A robot with a guard of its own."""
+
+    guards_itself = True
+    halted = 0
+
+    def halt(self, dt):
+        self.halted += 1
+
+    def intervention(self):
+        return Intervention(
+            part="forearm", obstacle="post", distance=0.02, limit=0.013, asked=1.0, done=0.1, what="slowed"
+        )
+
+
+def test_a_robot_with_a_guard_of_its_own_is_told_what_is_around_it():
+    robot = _Guarded(SCENARIO.start)
+    _, states = _drive(SCENARIO, robot, 0.2)
+    assert robot.surroundings is not None
+    assert robot.surroundings.ids == ("post",)
+    assert robot.told[-1][0] == (1.0, 0.0, 0.0)
+    assert states[-1].guard.part == "forearm"
+
+
+def test_a_latched_stop_steps_aside_from_nothing():
+    robot = _Guarded(SCENARIO.start)
+    link = ScriptedLink("r")
+    node = RobotNode(SCENARIO, robot, link, "r", session=9)
+    now_ns = node.step(0)
+    node.watchdog.fault("test", now_ns)
+    told = len(robot.told)
+    node.step(now_ns)
+    assert robot.halted == 1
+    assert len(robot.told) == told
+
+
+def test_other_robots_halt_by_standing_still():
+    robot = ScriptedRobot((0.0, 0.0, 0.0))
+    robot.halt(0.01)
+    assert robot.told == [(STILL.linear, 0.01)]
