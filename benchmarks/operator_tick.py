@@ -6,22 +6,21 @@ each has a controller of its own. "Without" is the same tick with the second fil
 """
 
 import argparse
+import copy
 import json
 from pathlib import Path
-from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
-from farhand.common.messages.description import RobotDescription
 from farhand.common.timing.clock import processor_seconds
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.laboratory.simulation import simulate
-from farhand.operator_side import operator_node
-from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.control.settings import ControllerSettings
+from farhand.operator_side.operator_node import OperatorNode
 from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
 
+WHOLE, FILTER = OperatorNode.step, SafetyFilter.filter
 NETWORKS = ("none", "uniform:50,200")
 WANTED = 1.2
 """Of the tick with over the tick without, in the median."""
@@ -33,64 +32,61 @@ class Times:
 
     def __init__(self) -> None:
         self.rows: list[tuple[float, float, float]] = []
-        self.of_filters = (0.0, 0.0)
+        self._of_filters = (0.0, 0.0)
+        self._seconds: dict[SafetyFilter, SafetyFilter] = {}
 
-    def table(self) -> Any:
-        """(ticks, 3)."""
-        return np.array(self.rows)
+    def step(self, node: OperatorNode, now_ns: int) -> int:
+        """A tick, timed."""
+        self._of_filters = 0.0, 0.0
+        began = processor_seconds()
+        next_ns = WHOLE(node, now_ns)
+        spent = processor_seconds() - began
+        own, without = self._of_filters
+        if own:
+            self.rows.append((spent - without, own, without))
+        return next_ns
+
+    def filter(self, first: SafetyFilter, ahead: Ahead) -> Filtered:
+        """Both filters, timed: whichever comes first finds a colder cache, so they take turns."""
+        if first not in self._seconds:
+            self._seconds[first] = without_the_parts(first)
+        second = self._seconds[first]
+        if len(self.rows) % 2:
+            filtered, own = timed(first, ahead)
+            _, without = timed(second, ahead)
+        else:
+            _, without = timed(second, ahead)
+            filtered, own = timed(first, ahead)
+        self._of_filters = own, without
+        return filtered
+
+
+def timed(one: SafetyFilter, ahead: Ahead) -> tuple[Filtered, float]:
+    """What it filters, and how long that takes (s)."""
+    began = processor_seconds()
+    filtered = FILTER(one, ahead)
+    return filtered, processor_seconds() - began
+
+
+def without_the_parts(first: SafetyFilter) -> SafetyFilter:
+    """The same filter with a controller of its own, without the lag part and the check of the body."""
+    second = copy.copy(first)
+    second._trail = None
+    second._controller = make_controller(first._settings)
+    second._controller.prepare()
+    return second
 
 
 def measure(network: str, tasks: int) -> dict[str, float]:
     """Medians, 99th percentiles (ms) and their ratios over all ticks of the tasks."""
     times = Times()
-    whole = operator_node.OperatorNode.step
-
-    class Doubled(SafetyFilter):
-        """Filters, and times both: whichever comes first finds a colder cache, so they take turns."""
-
-        def __init__(
-            self, settings: ControllerSettings, controller: Controller, robot: RobotDescription, trails: bool
-        ) -> None:
-            super().__init__(settings, controller, robot, trails)
-            second = make_controller(settings)
-            second.prepare()
-            self._second = SafetyFilter(settings, second, robot, trails=False)
-            self._first_is_first = False
-
-        def filter(self, ahead: Ahead) -> Filtered:
-            self._first_is_first = not self._first_is_first
-            if not self._first_is_first:
-                without = self._timed_second(ahead)
-            began = processor_seconds()
-            filtered = super().filter(ahead)
-            own = processor_seconds() - began
-            if self._first_is_first:
-                without = self._timed_second(ahead)
-            times.of_filters = own, without
-            return filtered
-
-        def _timed_second(self, ahead: Ahead) -> float:
-            began = processor_seconds()
-            self._second.filter(ahead)
-            return processor_seconds() - began
-
-    def step(node: operator_node.OperatorNode, now_ns: int) -> int:
-        times.of_filters = 0.0, 0.0
-        began = processor_seconds()
-        next_ns = whole(node, now_ns)
-        spent = processor_seconds() - began
-        own, without = times.of_filters
-        if own:
-            times.rows.append((spent - without, own, without))
-        return next_ns
-
-    operator_node.SafetyFilter, operator_node.OperatorNode.step = Doubled, step  # type: ignore[misc,method-assign]
-    try:
+    with (
+        patch.object(OperatorNode, "step", lambda node, now_ns: times.step(node, now_ns)),
+        patch.object(SafetyFilter, "filter", lambda first, ahead: times.filter(first, ahead)),
+    ):
         for index in range(tasks):
             simulate(make_task(1, index), network=network, seed=index, time_limit=300.0)
-    finally:
-        operator_node.SafetyFilter, operator_node.OperatorNode.step = SafetyFilter, whole  # type: ignore[misc,method-assign]
-    table = times.table()
+    table = np.array(times.rows)
     tick, without = table[:, 0], table[:, 0] - table[:, 1] + table[:, 2]
     found = {"ticks": float(len(table))}
     for name, seconds in (

@@ -42,6 +42,7 @@ def fit(
 ) -> None:
     """Fit capsules around an arm's links, check that every vertex lies inside, and say what they have in excess."""
     from farhand.commands.arm_tables import print_fit
+    from farhand.common.process.outputs import check_writable
     from farhand.common.result_file import write_whole
     from farhand.robot_side.robots.arms import fit_files, fit_known
 
@@ -49,6 +50,7 @@ def fit(
         raise InputError("arm fit: give either --model or --urdf")
     if model and (srdf is not None or tool_frame or home):
         raise InputError("arm fit: --srdf, --tool-frame and --home go with --urdf; a known arm has its own")
+    check_writable(out, "--out")
     if urdf is None:
         fitted, source = fit_known(model), f"--model {model}"
     else:

@@ -13,9 +13,8 @@ from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
-from farhand.programs.compiling import prepare_aloud
+from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.programs.wiring import OPERATOR_NAME
-from farhand.robot_side.robots.registry import check_scenario
 from farhand.runs.conclude import conclude
 from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
@@ -31,7 +30,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False) 
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
-    check_scenario(run.scenario)
+    prepare_robot_aloud(run.scenario, lambda line: say("demo", line))  # the robot's program finds it compiled
     run.check()
     folder = make_run_folder(out, run.scenario.name, force=force)
     stop_event = stop_event_on_signals()

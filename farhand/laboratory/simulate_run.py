@@ -9,7 +9,7 @@ from farhand.common.process.signals import say, stopped_by_signals
 from farhand.laboratory.simulation import simulate_run
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.result import sample_of
-from farhand.programs.compiling import prepare_aloud
+from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.runs.figure import draw_run
 from farhand.runs.files import FIGURE, RECORDING, SCENARIO, SUMMARY
 from farhand.runs.report import print_outcome
@@ -32,6 +32,7 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = F
     def keep(name: str, write: Callable[[], Path]) -> Path | None:
         return survive(str(folder / name), write, tell)
 
+    prepare_robot_aloud(run.scenario, tell)
     prepare_aloud(make_controller(run.scenario.controller), tell)
     keep(SCENARIO, lambda: write_scenario(run, folder))
     with stopped_by_signals() as stopped:

@@ -1,28 +1,51 @@
-"""The first run on a machine compiles the solver: said, where it takes long."""
+"""The first run on a machine compiles what runs at every tick: said, where it takes long."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.prepare import prepare
+from farhand.robot_side.robots.registry import check_scenario, prepare_robot
+from farhand.robot_side.robots.settings import RobotScenario
 
 SAY_AFTER = 1.0
-"""(s). Loading what is compiled takes less, unless the machine is busy, so the line promises no compilation."""
+"""(s). Loading what is compiled takes less, unless the machine is busy, so the lines promise no compilation."""
 LINE = "preparing the solver; the first time on a machine it is compiled, in some 20 s ..."
+ROBOT_LINE = "preparing the robot's control; the first time on a machine it is compiled, in a minute or so ..."
 
 
-def prepare_aloud(controller: Controller, tell: Callable[[str], None], patience: float = SAY_AFTER) -> None:
-    """Prepare a controller; where that takes longer than `patience` (s), have it said.
+@contextmanager
+def said_aloud(line: str, tell: Callable[[str], None], patience: float = SAY_AFTER) -> Iterator[None]:
+    """Where what is done within takes longer than `patience` (s), have it said.
 
     Args:
-        controller: to be prepared.
+        line: what is said.
         tell: takes the line, from a thread of its own.
         patience: in s.
     """
-    waiting = threading.Timer(patience, tell, [LINE])
+    waiting = threading.Timer(patience, tell, [line])
     waiting.daemon = True
     waiting.start()
     try:
-        prepare(controller)
+        yield
     finally:
         waiting.cancel()
+
+
+def prepare_aloud(controller: Controller, tell: Callable[[str], None], patience: float = SAY_AFTER) -> None:
+    """Prepare a controller, see `said_aloud`; raises InputError where it cannot."""
+    with said_aloud(LINE, tell, patience):
+        prepare(controller)
+
+
+def prepare_robot_aloud(
+    scenario: RobotScenario, tell: Callable[[str], None], patience: float = SAY_AFTER
+) -> None:
+    """Prepare what a scenario's robot needs, after a look at whether it can stand at its start at all.
+
+    Raises ScenarioError where it cannot.
+    """
+    with said_aloud(ROBOT_LINE, tell, patience):
+        check_scenario(scenario)
+        prepare_robot(scenario)

@@ -14,6 +14,7 @@ from farhand.common.process.teller import Teller
 from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.zenoh_log import tell_refusals
+from farhand.programs.compiling import prepare_robot_aloud
 from farhand.programs.sessions import random_session
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robot_node import RobotNode
@@ -52,6 +53,7 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         if folder is not None:
             tell_refusals(teller.say)
         extra = folder.settings("robot") if folder else ()
+        prepare_robot_aloud(scenario, teller.say)  # before anything is connected
         session = open_session(access.connect, access.listen, mode=mode, extra=extra)
         link = ZenohLink(session, [command_key(name)], clock)
         closing.callback(link.close)

@@ -145,9 +145,12 @@ def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, 
         worst = int(np.argmin(path[:, 4]))
         axes.plot(x[worst], y[worst], "o", ms=11, mfc="none", mec=RED, mew=1.2)
     axes.plot(scenario.start[a], scenario.start[b], "s", color=BLUE, ms=5, label="start")
+    numbers: dict[tuple[float, float], list[str]] = {}
     for number, target in enumerate(scenario.targets, 1):
-        axes.plot(target[a], target[b], "*", color=GREEN, ms=9, label="targets" if number == 1 else None)
-        axes.annotate(str(number), (target[a], target[b]), xytext=(4, 4), textcoords="offset points")
+        numbers.setdefault((target[a], target[b]), []).append(str(number))
+    for place, known in numbers.items():
+        axes.plot(*place, "*", color=GREEN, ms=9, label="targets" if known[0] == "1" else None)
+        axes.annotate(", ".join(known), place, xytext=(4, 4), textcoords="offset points")
     _mark_stops(axes, summary, path, (a, b))
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
@@ -163,8 +166,13 @@ def _draw_obstacles(
 ) -> None:
     """All obstacles: those that move where they were when the clearance was least, and their way."""
     keep = scenario.robot.radius + scenario.controller.d_min
+    moving = any(o.moves for o in scenario.obstacles)
     rings: list[tuple[float, str, dict[str, Any]]] = [
-        (0.0, "obstacle", {"color": GREY, "alpha": 0.75, "lw": 0}),
+        (
+            0.0,
+            "obstacle where it was when nearest" if moving else "obstacle",
+            {"color": GREY, "alpha": 0.75, "lw": 0},
+        ),
         (keep, "tool centre's limit", {"fill": False, "lw": 0.9, "ls": "--", "ec": RED}),
     ]
     if inflation > 0:

@@ -103,13 +103,13 @@ def draw_shapes(
 
 
 def draw_ways(axes: Any, obstacles: Sequence[Obstacle], plane: Axes2, duration: float) -> None:
-    """A line for what moves, along its way from now on for `duration` s."""
+    """A line for what moves: the path of a shuttle, and the way of what goes straight on for `duration` s."""
     labelled = False
     for obstacle in obstacles:
         if not obstacle.moves:
             continue
-        seconds = np.linspace(0.0, duration, 200)
-        way = np.array([moved(obstacle, float(t)).position for t in seconds])[:, list(plane)]
+        ends = obstacle.path or (obstacle.position, moved(obstacle, duration).position)
+        way = np.array(ends)[:, list(plane)]
         axes.plot(*way.T, label=None if labelled else "way of what moves", **WAY)
         labelled = True
 

@@ -167,7 +167,10 @@ def assemble(
         never_colliding: pairs of links whose contact means nothing.
         fitted: capsules; a link that they name must be in the URDF.
     """
-    pinocchio = pin.buildModelFromXML(chain.text)
+    try:
+        pinocchio = pin.buildModelFromXML(chain.text)
+    except (ValueError, RuntimeError) as error:
+        raise InputError(f"URDF of {chain.name!r}: {error}") from None
     joints = [pinocchio.getJointId(name) for name in chain.joint_names]
     if joints != list(range(1, pinocchio.njoints)):
         raise InputError(f"URDF of {chain.name!r}: its joints are no single chain")

@@ -70,6 +70,12 @@ class DirectionKeeping:
         self.R_base_wanted: Array = np.array(R_base_wanted, dtype=float)
         self._home: Array = np.zeros(bounds.n) if home is None else np.array(home, dtype=float)
         self.failures = 0
+        # compiled, or loaded, now and not in the first period
+        n, eye = bounds.n, np.eye(3)
+        tick(
+            self._limits, self._home, self._home, np.zeros(n), np.zeros((6, n)), eye, eye.copy(), np.zeros(3), _NO_TURN,
+            1.0, np.empty(n),
+        )  # fmt: skip
 
     def joint_velocity(
         self,

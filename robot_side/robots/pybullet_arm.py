@@ -123,18 +123,8 @@ class ArmRobot(ArmWorld, Robot):
         super().__init__(scenario)
         arm = self.arm
         self.joint_names, self.model = arm.joint_names, arm.name
-        bounds = JointBounds(arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration)
-        down = self.kinematics.R_base_tool_down
-        self.control: VelocityControl = (
-            DirectionKeeping(bounds, down, arm.home)
-            if scenario.robot.velocity_control == "direction"
-            else DampedLeastSquares(bounds, arm.max_velocity, down)
-        )
+        self.control, self._guard = _controls(self, scenario)
         self._chain = ArmChain(arm)
-        self._guard: ArmGuard | None = None
-        if scenario.guard.on:
-            settings = scenario.robot
-            self._guard = ArmGuard(arm, scenario.guard, settings.lag, 1.0 / settings.rate_hz)
         self._keeps_direction = scenario.robot.velocity_control == "direction"
         self._commanded: Array = np.zeros(arm.n)
         self._wanted: Array = np.zeros(3)
@@ -149,8 +139,16 @@ class ArmRobot(ArmWorld, Robot):
 
     @classmethod
     def check_start(cls, scenario: RobotScenario) -> None:
+        """See Robot; compiles what a period needs."""
+        world = ArmWorld(scenario)
+        world.close()
+        _controls(world, scenario)
+
+    @classmethod
+    def prepare(cls, scenario: RobotScenario) -> None:
         """See Robot."""
-        ArmWorld(scenario).close()
+        if scenario.guard.on:
+            ArmGuard(chosen_arm(scenario.robot), scenario.guard, 0.0, 1.0 / scenario.robot.rate_hz)
 
     def sample(self) -> RobotSample:
         """The state now."""
@@ -233,6 +231,19 @@ class ArmRobot(ArmWorld, Robot):
         self._q = np.array([state[0] for state in states])
         self._qd = np.array([state[1] for state in states])
         self._tool = self._chain.at(self._q)
+
+
+def _controls(world: ArmWorld, scenario: RobotScenario) -> tuple[VelocityControl, ArmGuard | None]:
+    """The velocity control and the guard that a scenario asks for."""
+    arm, settings, down = world.arm, scenario.robot, world.kinematics.R_base_tool_down
+    bounds = JointBounds(arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration)
+    control: VelocityControl = (
+        DirectionKeeping(bounds, down, arm.home)
+        if settings.velocity_control == "direction"
+        else DampedLeastSquares(bounds, arm.max_velocity, down)
+    )
+    guard = ArmGuard(arm, scenario.guard, settings.lag, 1.0 / settings.rate_hz) if scenario.guard.on else None
+    return control, guard
 
 
 def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:

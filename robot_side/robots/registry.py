@@ -45,6 +45,16 @@ def check_scenario(scenario: RobotScenario) -> None:
     _check_clear(scenario, kind)
 
 
+def prepare_robot(scenario: RobotScenario) -> None:
+    """Compile, or load, what the scenario's robot needs, before anything is connected or in time."""
+    kind = ROBOTS.get(scenario.robot.kind, "robot.kind")
+    kind.prepare(scenario)
+    if scenario.guard.on and not kind.guards_itself:
+        from farhand.robot_side.safety.guard.tool_guard import ToolGuard
+
+        ToolGuard(scenario.guard, scenario.robot.radius, scenario.robot.lag, 1.0 / scenario.robot.rate_hz)
+
+
 def _check_clear(scenario: RobotScenario, kind: "type[Robot]") -> None:
     """Raise ScenarioError where a robot that does not guard itself starts nearer to something than it may come."""
     if scenario.guard.on and not kind.guards_itself:

@@ -63,6 +63,10 @@ class Robot(ABC):
     def check_start(cls, scenario: RobotScenario) -> None:
         """Raise ScenarioError when the robot cannot stand at the scenario's start; connects to nothing."""
 
+    @classmethod  # noqa: B027 (most have nothing to prepare)
+    def prepare(cls, scenario: RobotScenario) -> None:
+        """Compile what it needs, so that no control period waits for it; connects to nothing."""
+
     @abstractmethod
     def sample(self) -> RobotSample:
         """The state now."""

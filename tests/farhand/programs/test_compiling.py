@@ -2,7 +2,7 @@
 
 import threading
 
-from farhand.programs.compiling import LINE, prepare_aloud
+from farhand.programs.compiling import LINE, ROBOT_LINE, prepare_aloud, said_aloud
 
 
 class Preparing:
@@ -26,3 +26,15 @@ def test_only_what_takes_long_is_said():
     assert said == []
     prepare_aloud(Preparing(told), tell, 0.0)
     assert said == [LINE]
+
+
+def test_a_robot_that_takes_long_is_announced_as_such():
+    said, told = [], threading.Event()
+
+    def tell(line):
+        said.append(line)
+        told.set()
+
+    with said_aloud(ROBOT_LINE, tell, 0.0):
+        assert told.wait(10.0)
+    assert said == [ROBOT_LINE]
