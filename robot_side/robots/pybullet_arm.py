@@ -23,7 +23,7 @@ from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Joints
-from farhand.robot_side.safety.guard.start import check_arm_clear
+from farhand.robot_side.safety.guard.arm_start import check_arm_clear
 from farhand.robot_side.scene.surroundings import Surroundings
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute

@@ -108,7 +108,7 @@ def run_trial(trial: Trial, out: Path, workers: int) -> int:
     outcomes = [done[case.key] for case in cases if case.key in done]
     text = table(outcomes)
     write_whole(out / TABLE, text)
-    console.print(text, markup=False, highlight=False)
+    console.print(text, markup=False, highlight=False, soft_wrap=True)
     console.print(f"kept in {out}/: {ROWS}, {TABLE}", highlight=False)
     d_min = GuardSettings().d_min
     return 1 if any(o.violates(d_min) for o in outcomes if o.case.speed <= 0.3) else 0
