@@ -11,7 +11,7 @@ from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.sphere import Sphere
 from farhand.robot_side.arm.model import model
-from farhand.robot_side.kernel.distance import capsule_row
+from farhand.robot_side.kernel.distance import PLANE, capsule_row
 from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Joints, placed, self_gaps
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.surroundings import surroundings_of
@@ -37,6 +37,7 @@ def _clearance(guard, q, around):
         capsule_row(A[i], B[i], guard.body.capsules[i, 7], row, around.vertices)[0]
         for i in range(2, len(A))
         for row in around.rows
+        if not (i == 2 and row[0] == PLANE)  # its foot stands 5 mm over the table, and cannot leave it
     )
 
 
