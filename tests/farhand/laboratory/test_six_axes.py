@@ -1,5 +1,7 @@
 """Six axes from the tester to the arm and back, over a network that delays."""
 
+from itertools import pairwise
+
 import pytest
 
 from farhand.common.geometry import norm, turn_between
@@ -13,11 +15,7 @@ def test_the_arm_reaches_each_target_turned_as_the_tester_wants_it():
     summary, reports = result.summary, result.reports
     assert (summary.safe, summary.finished) == (True, True)
     wanted = scenario.steering.own["tester"]["orientations"]
-    arrivals = [
-        now
-        for before, now in zip(reports, reports[1:], strict=False)
-        if now.target_index > before.target_index
-    ]
+    arrivals = [now for before, now in pairwise(reports) if now.target_index > before.target_index]
     away = [norm(turn_between(r.orientation, q)) for r, q in zip(arrivals, wanted, strict=True)]
     assert max(away) < 0.05
     fastest = max(norm(report.angular) for report in reports)
