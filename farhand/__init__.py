@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     from farhand.common.scenario.section import NoSettings as NoSettings
     from farhand.common.scenario.section import Section as Section
     from farhand.common.scenario.section import own_settings as own_settings
+    from farhand.common.shapes.box import Box as Box
+    from farhand.common.shapes.capsule import Capsule as Capsule
+    from farhand.common.shapes.mesh import Mesh as Mesh
+    from farhand.common.shapes.plane import Plane as Plane
+    from farhand.common.shapes.sphere import Sphere as Sphere
     from farhand.laboratory.replay import Replay as Replay
     from farhand.laboratory.replay import replay as replay
     from farhand.laboratory.simulation import SimulationResult as SimulationResult
@@ -98,6 +103,11 @@ _HOME = {
     "NoSettings": "common.scenario.section",
     "Section": "common.scenario.section",
     "own_settings": "common.scenario.section",
+    "Box": "common.shapes.box",
+    "Capsule": "common.shapes.capsule",
+    "Mesh": "common.shapes.mesh",
+    "Plane": "common.shapes.plane",
+    "Sphere": "common.shapes.sphere",
     "Surroundings": "robot_side.scene.surroundings",
     "SimulationResult": "laboratory.simulation",
     "simulate": "laboratory.simulation",

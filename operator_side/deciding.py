@@ -37,7 +37,6 @@ from farhand.operator_side.supervision import Decision, Supervision
 from farhand.operator_side.turning import turning_plan
 
 STALE_STATE = "no news from the robot: resynchronising"
-STEPS = 1
 FREE = 0.3
 """A velocity is free if the filter would change it by at most this share."""
 
@@ -257,7 +256,7 @@ class Decider:
             if problem is None:
                 return [True] * len(velocities)
             asked = np.array(velocities, dtype=float).reshape(-1, 3)
-            change = changes(problem, asked, self._scenario.controller, STEPS)
+            change = changes(problem, asked, self._scenario.controller)
             verdicts: list[bool] = (change <= FREE * np.linalg.norm(asked, axis=1)).tolist()
             return verdicts
 
@@ -266,12 +265,9 @@ class Decider:
     def _look_for_blocks(self, mind: Mind, look: Look, wanted: Vector3, now_ns: int) -> Blocked:
         def obstacle() -> str:
             problem = mind.filter.problem_from(look.prediction.start)
-            index = (
-                -1
-                if problem is None
-                else in_the_way(problem, np.array(wanted), self._scenario.controller, STEPS)
-            )
-            return look.scene.obstacles[index].id if index >= 0 else ""
+            if problem is None:
+                return ""
+            return mind.filter.name_of(in_the_way(problem, np.array(wanted), self._scenario.controller))
 
         free = self._free(mind, look.prediction)
         return self._blockage.look(wanted, look.state, free, obstacle, now_ns)

@@ -6,6 +6,7 @@ from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.echo import Newest
+from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
@@ -34,6 +35,7 @@ class Perception:
         self.scene: Scene | None = None
         self.description: RobotDescription | None = None
         self.states = 0
+        self._guard: Intervention | None = None
         self._twins = Twins(TWINS_OVERLAP_NS)
         self._arrivals: deque[int] = deque(maxlen=RATE_WINDOW)
 
@@ -47,6 +49,7 @@ class Perception:
                 self._twins.note(state.session, packet.arrived_ns)
                 if self.newest_state.accept(state, packet.arrived_ns):
                     self.state = state
+                    self._guard = state.guard or self._guard
             return state
         if packet.key == self._scene_key:
             scene = self._scenes.decode(packet.payload)
@@ -57,6 +60,11 @@ class Perception:
             if description is not None and self.newest_description.accept(description, packet.arrived_ns):
                 self.description = description
         return None
+
+    def take_guard(self) -> Intervention | None:
+        """What the guard on the robot did since this was asked last, the newest; None: nothing."""
+        did, self._guard = self._guard, None
+        return did
 
     @property
     def lacking(self) -> str:

@@ -66,6 +66,7 @@ class ReportWriter:
         known = trip.count > 0
         lag_part = filtered.lag_part if filtered is not None else 0.0
         state_age = (now_ns - self._perception.newest_state.arrived_ns) * 1e-9 if seen else 0.0
+        guard = self._perception.take_guard()
         attempt = Attempt(
             now_ns,
             tick.mode,
@@ -74,6 +75,7 @@ class ReportWriter:
             tick.sent.linear,
             tick.blocked.obstacle or (filtered.binding if filtered else ""),
             tick.blocked.side,
+            f"{guard.part} off {guard.obstacle!r}" if guard is not None else "",
         )
         orientation = state.orientation if state else UPRIGHT
         held_by = self._standstill.step(attempt, state, round(state_age * 1e9))
@@ -122,4 +124,5 @@ class ReportWriter:
             held_by=held_by[:512],
             blocked_by=tick.blocked.obstacle,
             free_side=tick.blocked.side,
+            guard=guard,
         )

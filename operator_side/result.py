@@ -16,6 +16,8 @@ Sample = tuple[float, float | None, float, float, float | None]
 Span = tuple[float, float]
 SILENT_AFTER_NS = 500_000_000
 REMEMBERED_SILENCES = 1000
+GUARD_APART_NS = 500_000_000
+"""Between two reports of the guard's doing; what is nearer is one time."""
 
 
 class OperatorCounts(msgspec.Struct, frozen=True, kw_only=True):
@@ -59,6 +61,8 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="progr
         series: a sample a tick.
         silences: (from, to) of times in which no state came, or none that answered, for more than 0.5 s; s since
             the first motion command; the first thousand.
+        guarding: (from, to) of times in which the guard on the robot acted, as the operator was told; s since the first
+            motion command; the first thousand.
         last_report: the newest report.
         recording_trouble: what its recording lacks, in words; empty: nothing, or none was asked for.
     """
@@ -71,6 +75,7 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="progr
     notice: str = ""
     series: list[Sample] = msgspec.field(default_factory=list)
     silences: list[Span] = msgspec.field(default_factory=list)
+    guarding: list[Span] = msgspec.field(default_factory=list)
     last_report: ControlReport | None = None
     recording_trouble: str = ""
 
@@ -86,6 +91,7 @@ class Tally:
         self.standing: Counter[str] = Counter()
         self.last: ControlReport | None = None
         self._silences: list[tuple[int, int]] = []
+        self._guarding: list[tuple[int, int]] = []
         self._silent_ns: int | None = None
 
     def add(self, report: ControlReport) -> None:
@@ -98,7 +104,13 @@ class Tally:
             self._note_silence(report)
         if report.held_by:
             self.standing[report.held_by] += 1
+        if report.guard is not None:
+            self._note_guard(report.t_sent_ns)
         self.last = report
+
+    def guarding(self, origin_ns: int) -> list[Span]:
+        """See OperatorResult; `origin_ns` is the first motion command's instant."""
+        return [((begin - origin_ns) * 1e-9, (end - origin_ns) * 1e-9) for begin, end in self._guarding]
 
     def silences(self, origin_ns: int) -> list[Span]:
         """See OperatorResult; `origin_ns` is the first motion command's instant."""
@@ -117,6 +129,14 @@ class Tally:
             longest_silence=self.longest_silence,
             standing=dict(self.standing),
         )
+
+    def _note_guard(self, now_ns: int) -> None:
+        """Begin a time in which the guard acted, or go on with it."""
+        spans = self._guarding
+        if spans and now_ns - spans[-1][1] <= GUARD_APART_NS:
+            spans[-1] = spans[-1][0], now_ns
+        elif len(spans) < REMEMBERED_SILENCES:
+            spans.append((now_ns, now_ns))
 
     def _note_silence(self, report: ControlReport) -> None:
         """Begin, go on with or end a silence; an answer takes a round trip, which is none."""

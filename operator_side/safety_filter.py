@@ -131,6 +131,10 @@ class SafetyFilter:
         moved = posed.centres + self._settings.period * posed.velocities
         return replace(posed, position=np.array(start), centres=moved)
 
+    def name_of(self, row: int) -> str:
+        """The obstacle that a row of the newest problem stands for; empty for -1."""
+        return self._obstacles.ids[row] if self._obstacles is not None and row >= 0 else ""
+
     def stand_still(self) -> Array:
         """A plan of zeros; the warm start is forgotten."""
         self._controller.reset()

@@ -26,6 +26,7 @@ class Attempt:
         desired, sent: velocity before and after the filter (m/s).
         binding: id of the obstacle that binds, or empty.
         free_side: on which side the way round it is free; empty: on none, or nobody knows.
+        guarded: what the guard on the robot keeps off what; empty: it does nothing.
     """
 
     now_ns: int
@@ -35,6 +36,7 @@ class Attempt:
     sent: Vector3
     binding: str
     free_side: str = ""
+    guarded: str = ""
 
 
 def side_words(side: str) -> str:
@@ -92,6 +94,9 @@ class Standstill:
         """Who holds it: the robot's own limits, an obstacle, another reason of the filter."""
         if state.held_by:
             return f"the robot: {state.held_by}"
+        guarded = self._past[-1][0].guarded
+        if guarded and not follows:
+            return f"the robot's guard, which keeps {guarded}"
         if self._bound:
             side = self._past[-1][0].free_side
             return f"obstacle {self._bound!r}" + (

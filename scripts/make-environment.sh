@@ -64,14 +64,14 @@ extras=""
 [ "${1:-}" != tests ] || extras="[dev,dask,parquet]"
 what="1.2 GB"
 [ -z "$extras" ] || what="1.5 GB, with what tests and checks need"
-echo "farhand: installing the pinned dependencies into .venv ($what; one to three minutes the first time)"
+echo "farhand: installing the pinned dependencies into .venv ($what; one to four minutes the first time)"
 pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
 # Environments that were made before had only the UR5's description left.
 if ! ls -d .venv/lib/python3*/site-packages/cmeel.prefix/share/example-robot-data/robots/panda_description/meshes/collision >/dev/null 2>&1; then
     pip install --no-deps --force-reinstall "$(sed -n 's/^\(example-robot-data==[0-9.]*\).*/\1/p' requirements.lock)"
 fi
 .venv/bin/python scripts/slim_environment.py .venv
-.venv/bin/python -m farhand.operator_side.warm | sed "s/^/farhand: /"
+.venv/bin/python -m farhand.laboratory.warm | sed "s/^/farhand: /"
 touch .venv/.ready
 [ -z "$extras" ] || touch .venv/.ready-tests
 echo "farhand: ready, .venv/bin/farhand"

@@ -18,6 +18,7 @@ from farhand.common.messages.base import (
     Vector3,
 )
 from farhand.common.messages.command import CommandMode
+from farhand.common.messages.intervention import Intervention
 
 UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -61,6 +62,7 @@ class ControlReport(Message, frozen=True, kw_only=True):
         blocked_by: the obstacle that stands in the way that is wanted, for more than 0.6 s; empty: none does.
         free_side: the side on which the way round it is free: `left`, `right`, `above` or `below` of who looks along
             the way that is wanted; empty: none is, or nothing is in the way.
+        guard: what the guard on the robot did since the last tick, the newest; None: nothing.
     """
 
     tick: Stamp
@@ -104,3 +106,4 @@ class ControlReport(Message, frozen=True, kw_only=True):
     held_by: Text = ""
     blocked_by: NameOrNone = ""
     free_side: NameOrNone = ""
+    guard: Intervention | None = None

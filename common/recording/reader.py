@@ -90,5 +90,7 @@ def read_run(path: Path) -> RecordedRun:
     if info is None:
         raise RunFileError(f"run {path}: holds no description of a run; expected {FORMAT}")
     if info.format != FORMAT:
-        raise RunFileError(f"run {path}: has format {info.format!r}; this program reads {FORMAT}")
+        raise RunFileError(
+            f"run {path}: has format {info.format!r}; this program reads {FORMAT}: it was recorded by another version"
+        )
     return RecordedRun(info, ticks, tuple(gaps), cut_off, len(data))

@@ -6,7 +6,7 @@ metadata `gap` stands before the tick that follows on ticks that could not be wr
 
 import msgspec
 
-FORMAT = "farhand-run-1"
+FORMAT = "farhand-run-2"  # 1 held messages of schema 3, whose obstacles were spheres only
 TOPIC = "tick"
 RUN, GAP = "run", "gap"
 

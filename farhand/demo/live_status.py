@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import msgspec
 from rich.console import Console, Group
 from rich.live import Live
 from rich.progress_bar import ProgressBar
@@ -14,12 +15,15 @@ from rich.text import Text
 
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.codec import Decoder
+from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.keys import check_robot_name, report_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.operator_side.result import GOOD_STATUS
+from farhand.operator_side.standstill import side_words
 from farhand.runs.freshness import Freshness, Hearing, Picture
+from farhand.runs.guard_words import guard_words
 from farhand.runs.units import milliseconds
 
 REFRESH_HZ = 10
@@ -82,7 +86,7 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
     chart = Text(sparkline(trail), style=robot_style or "cyan")
     grid.add_row("", chart, "stops", of_robot(str(report.stops)))
     grid.add_row("robot", _mode(report, shown), "filter", _filter(report, shown))
-    for line in (report.stop_reason, report.held_by and f"no progress: {report.held_by}"):
+    for line in (report.stop_reason, _held(report), report.guard and f"guard {guard_words(report.guard)}"):
         if line:
             grid.add_row("", Text(line, style=own_style or "yellow"))
     return grid
@@ -116,16 +120,27 @@ def line(report: ControlReport | None, shown: Picture, elapsed: float) -> str:
     """The status as one line, for output that is not a terminal; no value of what is gone is in it."""
     if report is None or Freshness.GONE in (shown.operator, shown.robot):
         return f"{elapsed:5.1f} s  {shown.said}"
-    held = f"  no progress: {report.held_by}" if report.held_by else ""
+    held = f"  {_held(report)}" if _held(report) else ""
+    guard = f"  guard {guard_words(report.guard)}" if report.guard is not None else ""
     return (
         f"{elapsed:5.1f} s  {shown.said}{'  ' if shown.said else ''}"
         f"target {report.target_index}/{report.target_count}  "
         f"rtt {milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms  "
         f"clearance {_mm(report.clearance)}  "
         f"{'was ' if report.safety and not shown.running else ''}{report.safety or 'no robot'}"
-        f"{'  filter intervening' if report.intervening else ''}{held}"
+        f"{'  filter intervening' if report.intervening else ''}{guard}{held}"
         f"{'  ' if report.stop_reason else ''}{report.stop_reason}"
     )
+
+
+def _held(report: ControlReport) -> str:
+    """What holds the robot, or stands in its way, and which side is free."""
+    if report.held_by:
+        return f"no progress: {report.held_by}"
+    if not report.blocked_by:
+        return ""
+    free = f"free {side_words(report.free_side)}" if report.free_side else "no side is free"
+    return f"blocked by {report.blocked_by!r}: {free}"
 
 
 def _mode(report: ControlReport, shown: Picture) -> Text:
@@ -178,6 +193,7 @@ class StatusView:
         self._clock = 0.0
         self._said_ns: int | None = None
         self._said = ("", "")
+        self._guard: Intervention | None = None  # the newest since the last line
 
     def __enter__(self) -> "StatusView":
         if self._console.is_terminal:
@@ -204,6 +220,7 @@ class StatusView:
         if self._start_ns is None:
             self._start_ns = now_ns
         for arrived in reports:
+            self._guard = arrived.report.guard or self._guard
             if self._hearing.take(arrived.report, arrived.at_ns) and arrived.report.clearance is not None:
                 self._trail.append(arrived.report.clearance)
         shown = self._hearing.picture(now_ns, connected)
@@ -215,6 +232,8 @@ class StatusView:
             clock = self._clock if report is not None else elapsed
             self._live.update(render(report, shown, clock, self._title, list(self._trail)), refresh=True)
         elif self._is_due(shown, now_ns):
+            if report is not None:
+                report, self._guard = msgspec.structs.replace(report, guard=self._guard), None
             self._console.print(line(report, shown, elapsed), highlight=False, markup=False, soft_wrap=True)
 
     def _is_due(self, shown: Picture, now_ns: int) -> bool:

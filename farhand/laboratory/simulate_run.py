@@ -44,7 +44,9 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = F
     series = [sample_of(report, began_ns) for report in result.reports]
     figure = keep(
         FIGURE,
-        lambda: draw_run(run.scenario, result.summary, result.trajectory, series, folder, result.silences),
+        lambda: draw_run(
+            run.scenario, result.summary, result.trajectory, series, folder, result.silences, result.guarding
+        ),
     )
     console = page(stderr=as_json)
     print_outcome(result.summary, folder if written else None, figure, console, as_json=as_json)

@@ -60,6 +60,7 @@ class SimulationResult:
     network: the emulator's statistics.
     reports: of every tick, where asked for.
     silences: (from, to) of times without an answer of the robot, s since the first motion command.
+    guarding: (from, to) of times in which the guard on the robot acted, likewise.
     recording_trouble: what the recording lacks, in words; empty: nothing.
     """
 
@@ -69,6 +70,7 @@ class SimulationResult:
     network: NetemResult
     reports: list[ControlReport] = field(default_factory=list)
     silences: list[Span] = field(default_factory=list)
+    guarding: list[Span] = field(default_factory=list)
     recording_trouble: str = ""
 
 
@@ -197,6 +199,7 @@ class _World:
             results.netem,
             self._reports,
             results.operator.silences if results.operator is not None else [],
+            results.operator.guarding if results.operator is not None else [],
         )
 
     def recording_trouble(self) -> str:
@@ -254,6 +257,7 @@ class _World:
             **msgspec.structs.asdict(counted),
             finished=operator.finished,
             silences=tally.silences(since_ns or 0),
+            guarding=tally.guarding(since_ns or 0),
             solver=self._solver,
             last_report=tally.last,
         )

@@ -12,7 +12,9 @@ from farhand.robot_side.robots.settings import RobotScenario
 SAY_AFTER = 1.0
 """(s). Loading what is compiled takes less, unless the machine is busy, so the lines promise no compilation."""
 LINE = "preparing the solver; the first time on a machine it is compiled, in some 20 s ..."
-ROBOT_LINE = "preparing the robot's control; the first time on a machine it is compiled, in a minute or so ..."
+ROBOT_LINE = (
+    "preparing the robot's control; the first time on a machine it is compiled, in a minute or so ..."
+)
 
 
 @contextmanager

@@ -227,6 +227,7 @@ def _result(
         notice=controller.solver_notice,
         series=course.series.samples(),
         silences=tally.silences(node.driving_since_ns or 0),
+        guarding=tally.guarding(node.driving_since_ns or 0),
         last_report=tally.last,
     )
 

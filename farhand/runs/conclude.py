@@ -88,8 +88,9 @@ def conclude(
     trajectory = results.robot.trajectory if results.robot is not None else []
     series = results.operator.series if results.operator is not None else []
     silences = results.operator.silences if results.operator is not None else []
+    guarding = results.operator.guarding if results.operator is not None else []
     figure = (
-        keep(FIGURE, lambda: draw_run(run.scenario, summary, trajectory, series, folder, silences))
+        keep(FIGURE, lambda: draw_run(run.scenario, summary, trajectory, series, folder, silences, guarding))
         if trajectory
         else None
     )

@@ -29,6 +29,7 @@ STYLE: dict[Any, Any] = {
 }
 AXES = "xyz"
 
+GUARD_BAR = 0.05  # of the axes' height
 SILENCE = {"color": GREY, "alpha": 0.25, "lw": 0}
 STOP = {"color": RED, "lw": 0.9, "ls": "-."}
 
@@ -43,6 +44,7 @@ def draw_run(
     series: Series,
     folder: Path,
     silences: Sequence[Span] = (),
+    guarding: Sequence[Span] = (),
 ) -> Path:
     """Write `run.png` and `run.pdf`; returns the PNG.
 
@@ -53,6 +55,7 @@ def draw_run(
         series: (t, rtt, sigma, inflation, clearance) of the operator's ticks, in s and m.
         folder: where to write.
         silences: (from, to) of times without an answer of the robot, s since the first motion command.
+        guarding: (from, to) of times in which the guard on the robot acted.
     """
     import matplotlib as mpl
 
@@ -67,6 +70,7 @@ def draw_run(
         _draw_path(figure.add_subplot(grid[:, 0]), scenario, summary, path, series)
         above = figure.add_subplot(grid[0, 1])
         _draw_clearance(above, summary, path, began)
+        _mark_guard(above, guarding)
         below = figure.add_subplot(grid[1, 1], sharex=above)
         _draw_round_trip(below, series, silences)
         _mark_interruptions(above, below, summary, silences)
@@ -225,6 +229,15 @@ def _draw_clearance(axes: Any, summary: RunSummary, path: Array, began: float) -
             arrowprops={"arrowstyle": "->", "color": RED, "lw": 0.8},
         )
     axes.legend(frameon=False, loc="upper right")
+
+
+def _mark_guard(axes: Any, guarding: Sequence[Span]) -> None:
+    """A bar along the bottom of the clearance while the guard acted; a legend of its own entry."""
+    for number, (begin, end) in enumerate(guarding):
+        label = "guard" if number == 0 else None
+        axes.axvspan(max(0.0, begin), max(0.05, end), ymax=GUARD_BAR, color=GREEN, lw=0, label=label)
+    if guarding:
+        axes.legend(frameon=False, loc="upper right")
 
 
 def _draw_round_trip(axes: Any, series: Series, silences: Sequence[Span]) -> None:

@@ -7,6 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from farhand.netem.measure.result import DirectionCounts, NetemCounts
+from farhand.runs.guard_words import guard_summary
 from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
 
@@ -69,6 +70,7 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
         ("lost", _lost(summary.counts.netem)),
         ("silence", _silence(summary)),
         ("filter", _filter(summary)),
+        ("guard", _guard(summary)),
         ("stops", _stops(summary)),
         ("refused", f"{summary.refused} commands: {count_reasons(summary.refused_by.items())}"),
         ("stood", _stood(summary)),
@@ -124,6 +126,12 @@ def _filter(summary: RunSummary) -> str:
     plans = f"no plan found in {summary.infeasible} of them" if summary.infeasible else "always with a plan"
     changed = f"intervened in {summary.interventions} of {summary.ticks} ticks"
     return f"{changed}, {plans}; {summary.controller}, solver {summary.solver}"
+
+
+def _guard(summary: RunSummary) -> str:
+    """What the guard on the robot did."""
+    robot = summary.counts.robot
+    return guard_summary(robot, summary.guard_pairs) if robot is not None else ""
 
 
 def _stops(summary: RunSummary) -> str:

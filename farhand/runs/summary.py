@@ -11,7 +11,7 @@ from farhand.common.messages.base import SafetyMode
 from farhand.common.result_file import write_whole
 from farhand.operator_side.result import OperatorResult
 from farhand.operator_side.steering.registry import DEVICES
-from farhand.robot_side.result import RobotResult
+from farhand.robot_side.result import GuardedPair, RobotResult
 from farhand.runs.files import SUMMARY
 from farhand.runs.results import Counts, RunResults
 from farhand.runs.run import Run
@@ -38,6 +38,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         interruptions: (t, mode, reason) of stops, and of holds for want of commands; s since the first motion.
         radius: of the sphere around the tool that must stay clear (m).
         nearest_obstacle: to which the tool's sphere came nearest.
+        guard_pairs: part and obstacle for whose sake the guard on the robot acted, longest first.
         nearest_part, nearest_to_arm: the part of the arm that came nearest to an obstacle, and that obstacle.
         period: of a control tick (s).
         acknowledges_itself: whether the steering device acknowledges stops without a person.
@@ -84,6 +85,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     nearest_obstacle: str = ""
     nearest_part: str = ""
     nearest_to_arm: str = ""
+    guard_pairs: list[GuardedPair] = msgspec.field(default_factory=list)
     period: float = 0.1
     acknowledges_itself: bool = False
     counts: Counts = Counts()
@@ -159,6 +161,7 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
         nearest_obstacle=robot.nearest_obstacle,
         nearest_part=robot.nearest_part,
         nearest_to_arm=robot.nearest_to_arm,
+        guard_pairs=robot.guard_pairs,
         period=scenario.controller.period,
         acknowledges_itself=DEVICES.get(scenario.steering.kind, "steering.kind").acknowledges_itself,
         counts=results.counts(),

@@ -2,10 +2,10 @@
 
     from farhand.testing import ScriptedLink, command, state
 
-Messages with sensible defaults (`state`, `scene`, `description`, `command`, `report`, `echo_of`), a controller's
-problem (`problem`), a device, a robot, a controller and a link that do what the test says and keep what they were told,
-and the real programs as child processes (`Program`, `Programs`) with a witness of what the robot says
-(`Witness`). Nothing here imports a test framework; what did not happen in time is an AssertionError.
+Messages with sensible defaults (`state`, `scene`, `description`, `command`, `report`, `echo_of`), an `obstacle` for a
+scene, a controller's problem (`problem`), a device, a robot, a controller and a link that do what the test says and
+keep what they were told, and the real programs as child processes (`Program`, `Programs`) with a witness of what the
+robot says (`Witness`). Nothing here imports a test framework; what did not happen in time is an AssertionError.
 """
 
 from farhand.testing.controller import ScriptedController
@@ -17,6 +17,7 @@ from farhand.testing.messages import (
     command,
     description,
     echo_of,
+    obstacle,
     report,
     scene,
     state,
@@ -41,6 +42,7 @@ __all__ = [
     "command",
     "description",
     "echo_of",
+    "obstacle",
     "problem",
     "report",
     "scene",

@@ -47,6 +47,16 @@ def state(seq: int = 0, **fields: Any) -> RobotState:
     return RobotState(seq=seq, **(defaults | fields))
 
 
+def obstacle(name: str = "ball", **fields: Any) -> Obstacle:
+    """A ball of 0.1 m that stands a metre ahead; another `shape`, a `path` and all else are keywords."""
+    defaults: dict[str, Any] = {}
+    if "path" not in fields:
+        defaults["position"] = (1.0, 0.0, 0.0)
+    if "shape" not in fields:
+        defaults["radius"] = 0.1
+    return Obstacle(name, **(defaults | fields))
+
+
 def scene(seq: int = 0, *obstacles: Obstacle, **fields: Any) -> Scene:
     """What is around the robot: these obstacles (none), and no target."""
     stamp = fields.get("t_sent_ns", seq * SCENE_NS)

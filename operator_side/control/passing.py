@@ -1,9 +1,11 @@
 """Which velocities the barrier would let pass nearly as they are: one step, without a solver.
 
 Row (j, 0) of barrier.py says that the step must end outside a sphere: |x + dt u - p_j - dt v_j| >= rho_j, rho_j^2 =
-R_j^2 + sigma_j + (1 - gamma) h_j(x). In u that is the outside of a ball, so that the least change which one
-row asks for has a closed form; of several, the deepest is left first, a few times over.
+R_j^2 + sigma_j + (1 - gamma) h_j(x). In u that is the outside of a ball, and of a plane one side of a plane, so that
+the least change which one row asks for has a closed form; of several, the deepest is left first, a few times over.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,71 +16,83 @@ from farhand.operator_side.control.settings import ControllerSettings
 SWEEPS = 8
 CLEAN = 1e-6
 """A row that is missed by less (m/s) is kept."""
+_LOST = 1e-3
+"""A row that is missed by more after all sweeps (m/s): no velocity was found."""
 
 
-def changes(
-    problem: ControlProblem, velocities: Array, settings: ControllerSettings, steps: int = 1
-) -> Array:
+def changes(problem: ControlProblem, velocities: Array, settings: ControllerSettings) -> Array:
     """(k,) by how much the velocities (k, 3) would have to change to keep every row and limit (m/s).
 
     Infinite where no change was found. Nothing throws.
 
     Args:
         problem: where the robot is, and what it has to keep clear of; what is desired does not matter.
-        velocities: held for `steps` periods (m/s).
+        velocities: (m/s).
         settings: of the filter.
-        steps: over how many periods one looks ahead.
     """
     limit = np.array(settings.speed_limit)
     found: Array = np.clip(velocities, -limit, limit)
+    lost = np.zeros(len(found), dtype=bool)
     if len(problem.radii):
-        centres, radii = _balls(problem, settings, steps)
+        rows = _Rows.of(problem, settings)
+        everyone = np.arange(len(found))
         for _ in range(SWEEPS):
-            found, deepest = _out_of_the_deepest(found, centres, radii)
-            found = np.clip(found, -limit, limit)
-            if deepest < CLEAN:
+            outward, lacks = rows.look(found)
+            deepest = np.argmax(lacks, axis=1)
+            depth = np.maximum(lacks[everyone, deepest], 0.0)
+            if depth.max(initial=0.0) < CLEAN:
                 break
-        _, lacks = _lacking(found, centres, radii)
-        lost = np.max(lacks, axis=1) > 1e3 * CLEAN
-    else:
-        lost = np.zeros(len(found), dtype=bool)
+            found = np.clip(found + depth[:, None] * outward[everyone, deepest], -limit, limit)
+        lost = np.max(rows.look(found)[1], axis=1) > _LOST
     change: Array = np.linalg.norm(found - velocities, axis=1)
     change[lost] = np.inf
     return change
 
 
-def in_the_way(problem: ControlProblem, velocity: Array, settings: ControllerSettings, steps: int = 1) -> int:
-    """Index of the obstacle whose row asks a velocity (3,) for the largest change; -1: none does."""
+def in_the_way(problem: ControlProblem, velocity: Array, settings: ControllerSettings) -> int:
+    """The row that asks a velocity (3,) for the largest change; -1: none does."""
     if not len(problem.radii):
         return -1
-    _, lacks = _lacking(velocity[None, :], *_balls(problem, settings, steps))
+    _, lacks = _Rows.of(problem, settings).look(velocity[None, :])
     deepest = int(np.argmax(lacks[0]))
     return deepest if lacks[0, deepest] > CLEAN else -1
 
 
-def _balls(problem: ControlProblem, settings: ControllerSettings, steps: int) -> tuple[Array, Array]:
-    """Centres (n, 3) and radii (n,) of the balls that velocities must be outside of (m/s)."""
-    duration = steps * settings.period
-    to_obstacle = problem.centres - problem.position
-    now = np.einsum("jk,jk->j", to_obstacle, to_obstacle) - problem.radii**2
-    kept = problem.radii**2 + problem.sigmas + (1.0 - settings.gamma) ** steps * now
-    return to_obstacle / duration + problem.velocities, np.sqrt(np.maximum(kept, 0.0)) / duration
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """Attributes:
+    centres: (n, 3) of the balls that velocities must be outside of (m/s).
+    radii: (n,) of these; of a plane, how fast it must be left along its normal (m/s).
+    normals: (n, 3) of planes, zero for spheres; None: all are spheres.
+    flat: (n,) which are planes.
+    """
 
+    centres: Array
+    radii: Array
+    normals: Array | None
+    flat: Array
 
-def _lacking(velocities: Array, centres: Array, radii: Array) -> tuple[Array, Array]:
-    """(k, n, 3) velocities away from the balls' centres, and (k, n) how far they are inside (m/s)."""
-    away = velocities[:, None, :] - centres
-    lacks: Array = radii - np.sqrt(np.einsum("ijk,ijk->ij", away, away))
-    return away, lacks
+    @classmethod
+    def of(cls, problem: ControlProblem, settings: ControllerSettings) -> "_Rows":
+        """The rows of one step."""
+        dt, kept = settings.period, 1.0 - settings.gamma
+        to_obstacle = problem.centres - problem.position
+        now = np.einsum("jk,jk->j", to_obstacle, to_obstacle) - problem.radii**2
+        radii = np.sqrt(np.maximum(problem.radii**2 + problem.sigmas + kept * now, 0.0)) / dt
+        flat = problem.flat != 0.0
+        if problem.normals is not None:
+            height = -np.einsum("jk,jk->j", problem.normals, to_obstacle) - problem.radii
+            leaving = np.einsum("jk,jk->j", problem.normals, problem.velocities)
+            radii = np.where(flat, (problem.sigmas - settings.gamma * height) / dt + leaving, radii)
+        return cls(to_obstacle / dt + problem.velocities, radii, problem.normals, flat)
 
-
-def _out_of_the_deepest(velocities: Array, centres: Array, radii: Array) -> tuple[Array, float]:
-    """Each velocity moved to the surface of the ball that it is deepest in; the largest depth before."""
-    away, lacks = _lacking(velocities, centres, radii)
-    rows = np.arange(len(velocities))
-    deepest = np.argmax(lacks, axis=1)
-    depth = np.maximum(lacks[rows, deepest], 0.0)
-    out = away[rows, deepest]
-    length = np.linalg.norm(out, axis=1)
-    unit = out / np.maximum(length, 1e-12)[:, None]
-    return velocities + depth[:, None] * unit, float(depth.max(initial=0.0))
+    def look(self, velocities: Array) -> tuple[Array, Array]:
+        """(k, n, 3) ways out of each row, unit vectors, and (k, n) how much is lacking (m/s)."""
+        away = velocities[:, None, :] - self.centres
+        lengths = np.sqrt(np.einsum("ijk,ijk->ij", away, away))
+        outward: Array = away / np.maximum(lengths, 1e-12)[:, :, None]
+        if self.normals is None:
+            return outward, self.radii - lengths
+        along = np.einsum("jk,ik->ij", self.normals, velocities)
+        outward = np.where(self.flat[None, :, None], self.normals[None, :, :], outward)
+        return outward, self.radii - np.where(self.flat, along, lengths)

@@ -8,6 +8,7 @@ import pinocchio as pin
 from farhand.common.geometry import Array
 from farhand.common.messages.base import Vector3
 from farhand.robot_side.arm.model import ArmModel
+from farhand.robot_side.arm.urdf import bare_text
 
 POSITION_TOLERANCE = 1e-6  # m
 ANGLE_TOLERANCE = 1e-6  # rad
@@ -46,7 +47,7 @@ class Kinematics:
 
     def __init__(self, arm: ArmModel) -> None:
         self.arm = arm
-        self._model = pin.buildModelFromXML(arm.urdf)
+        self._model = pin.buildModelFromXML(bare_text(arm.urdf))
         self._data = self._model.createData()
         self._tool = self._model.getFrameId(arm.tool_frame)
         self.lower: Array = arm.lower

@@ -4,9 +4,9 @@ import dataclasses
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
@@ -19,7 +19,7 @@ from farhand.robot_side.arm.capsules import (
 )
 from farhand.robot_side.arm.catalogue import ARMS, KnownArm, capsule_path, data_folder, nearest
 from farhand.robot_side.arm.srdf import Semantics, read_srdf
-from farhand.robot_side.arm.urdf import Chain, read_urdf
+from farhand.robot_side.arm.urdf import Chain, bare_text, read_urdf
 
 MAX_ACCELERATION = 15.0
 """Of a joint of an arm whose file cannot say it (rad/s^2)."""
@@ -167,8 +167,10 @@ def assemble(
         never_colliding: pairs of links whose contact means nothing.
         fitted: capsules; a link that they name must be in the URDF.
     """
+    import pinocchio as pin  # here, as those who only ask what an arm is need none
+
     try:
-        pinocchio = pin.buildModelFromXML(chain.text)
+        pinocchio = pin.buildModelFromXML(bare_text(chain.text))
     except (ValueError, RuntimeError) as error:
         raise InputError(f"URDF of {chain.name!r}: {error}") from None
     joints = [pinocchio.getJointId(name) for name in chain.joint_names]
@@ -214,17 +216,19 @@ def pairs_to_keep_apart(
     )
 
 
-def _in_joint_frame(pinocchio: pin.Model, fitted: FittedCapsule) -> LinkCapsule:
+def _in_joint_frame(pinocchio: Any, fitted: FittedCapsule) -> LinkCapsule:
     if not pinocchio.existBodyName(fitted.link):
-        links = [frame.name for frame in pinocchio.frames if frame.type == pin.FrameType.BODY]
+        links = [frame.name for frame in pinocchio.frames if pinocchio.existBodyName(frame.name)]
         raise InputError(f"capsules: link {fitted.link!r}: no such link; {nearest(fitted.link, links)}")
     frame = pinocchio.frames[pinocchio.getBodyId(fitted.link)]
     a, b = (frame.placement.act(np.array(end)) for end in (fitted.a, fitted.b))
     return LinkCapsule(fitted.link, frame.parentJoint - 1, a, b, fitted.radius)
 
 
-def _axes(pinocchio: pin.Model) -> Array:
+def _axes(pinocchio: Any) -> Array:
     """(n, 3): what each joint turns about, in its own frame."""
+    import pinocchio as pin
+
     data, q = pinocchio.createData(), pin.neutral(pinocchio)
     axes = [
         pin.computeJointJacobian(pinocchio, data, q, joint)[3:, joint - 1]

@@ -96,6 +96,15 @@ def read_urdf(path: Path, tool_frame: str) -> Chain:
     )
 
 
+def bare_text(text: str) -> str:
+    """The same URDF without shapes, some of which Pinocchio's parser does not know and complains about."""
+    root = ET.fromstring(text)
+    for link in root.iter("link"):
+        for collision in link.findall("collision"):
+            link.remove(collision)
+    return ET.tostring(root, encoding="unicode")
+
+
 def _checked_root(path: Path, tool_frame: str) -> ET.Element:
     """The robot, all of whose joints have their links; raises InputError."""
     where = f"URDF {path}"

@@ -301,6 +301,7 @@ def yielding(A, b, m, low, high, x):
     y = np.empty(n)
     spare = np.empty(2 * n)
     missed = np.empty(m, np.bool_)
+    none = m - m  # a plain 0 would be compiled in, and `solve` a second time
     for i in range(n):
         x[i] = min(max(0.0, low[i]), high[i])
     for step in range(30):
@@ -315,7 +316,7 @@ def yielding(A, b, m, low, high, x):
                     f[i] -= 2.0 * SLACK * b[j] * A[j, i]
                     for k in range(n):
                         H[i, k] += 2.0 * SLACK * A[j, i] * A[j, k]
-        status, _ = solve(H, f, low, high, A, b, 0, y, spare)
+        status, _ = solve(H, f, low, high, A, b, none, y, spare)
         if status != SOLVED:
             return status, step
         same = True

@@ -85,7 +85,10 @@ def brake(low, high, qd):
 @compiled
 def rotation_vector(R_to, R_from, e):
     """e = log3(R_to R_from^T): what turns R_from into R_to (rad)."""
-    M = R_to @ R_from.T
+    M = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            M[i, j] = R_to[i, 0] * R_from[j, 0] + R_to[i, 1] * R_from[j, 1] + R_to[i, 2] * R_from[j, 2]
     cosine = 0.5 * (M[0, 0] + M[1, 1] + M[2, 2] - 1.0)
     e[0], e[1], e[2] = 0.5 * (M[2, 1] - M[1, 2]), 0.5 * (M[0, 2] - M[2, 0]), 0.5 * (M[1, 0] - M[0, 1])
     sine = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
@@ -108,7 +111,9 @@ def turn_by(R, e, out):
     """out = exp(e^) R (all in base); out may not be R."""
     angle = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
     if angle < 1e-12:
-        out[:, :] = R
+        for i in range(3):
+            for k in range(3):
+                out[i, k] = R[i, k]
         return
     x, y, z = e[0] / angle, e[1] / angle, e[2] / angle
     c, s = np.cos(angle), np.sin(angle)
@@ -136,7 +141,9 @@ def turn_wanted(R_wanted, R_tool, w, dt):
         for k in range(3):
             e[k] *= LEAD / ahead
         turn_by(R_tool, e, turned)
-    R_wanted[:, :] = turned
+    for i in range(3):
+        for k in range(3):
+            R_wanted[i, k] = turned[i, k]
 
 
 @compiled
@@ -147,8 +154,11 @@ def singular(J, left, right, way):
     velocities that do it, straight out of the singular values.
     """
     n = J.shape[1]
-    W = J.copy()
-    V = np.eye(6)  # W = V'J, its rows orthogonal in the end
+    W, V = np.empty((6, n)), np.zeros((6, 6))  # W = V'J, its rows orthogonal in the end
+    for i in range(6):
+        V[i, i] = 1.0
+        for k in range(n):
+            W[i, k] = J[i, k]
     for _ in range(30):
         turned = False
         for i in range(5):
@@ -173,25 +183,26 @@ def singular(J, left, right, way):
                     V[k, i], V[k, j] = cosine * one - sine * two, sine * one + cosine * two
         if not turned:
             break
-    smallest, at = np.inf, 0
     values = np.empty(6)
     for i in range(6):
         s = 0.0
         for k in range(n):
             s += W[i, k] * W[i, k]
         values[i] = np.sqrt(s)
-        if values[i] < smallest:
-            smallest, at = values[i], i
         if values[i] > 0.0:
             for k in range(n):
                 W[i, k] /= values[i]
+    at = np.argmin(values)
+    smallest = values[at]
     if smallest < 1e-9:
         complete(W, at)
     for k in range(6):
         left[k] = V[k, at]
     for k in range(n):
         right[k] = W[at, k]
-    twist = way[:6].copy()
+    twist = np.empty(6)
+    for k in range(6):
+        twist[k] = way[k]
     for k in range(n):
         way[k] = 0.0
     for i in range(6):
@@ -443,7 +454,8 @@ def tick(limits, home, q, previous, J, R_tool, R_wanted, v, w, dt, qd):
     low, high = np.empty(n), np.empty(n)
     joint_box(limits, q, previous, dt, low, high)
     A, b = np.empty((0, n)), np.empty(0)
-    status, share = velocity(q, home, J, R_tool, R_wanted, v, w, low, high, A, b, 0, False, qd)
+    m = A.shape[0]  # no plain 0 and False: those would be compiled in, and all else a second time
+    status, share = velocity(q, home, J, R_tool, R_wanted, v, w, low, high, A, b, m, m > 0, qd)
     if share > 0.0:
         part = np.empty(3)
         for k in range(3):

@@ -32,6 +32,15 @@ def run(ticks=60, moves=0.0, **given):
             {"sent": WANT, "held_by": "joint limit of elbow_joint", "binding": "ball"},
             "the robot: joint limit",
         ),
+        (
+            {"binding": "ball", "free_side": "left"},
+            "obstacle 'ball'; the way round is free to the left",
+        ),
+        ({"binding": "ball", "free_side": "above"}, "obstacle 'ball'; the way round is free above"),
+        (
+            {"sent": WANT, "guarded": "forearm off 'post'"},
+            "the robot's guard, which keeps forearm off 'post'",
+        ),
         ({"reason": "no plan"}, "no plan"),
         ({"sent": WANT}, "the robot, which does not follow"),
         ({}, "the filter, without an obstacle"),

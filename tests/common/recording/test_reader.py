@@ -88,6 +88,13 @@ def test_missing_files_and_foreign_formats(tmp_path):
         read_run(path)
 
 
+def test_a_recording_with_messages_of_the_schema_before_is_refused_as_what_it_is(tmp_path):
+    path = tmp_path / "old.mcap"
+    RunRecorder(path, msgspec.structs.replace(INFO, format="farhand-run-1")).close()
+    with pytest.raises(RunFileError, match="it was recorded by another version"):
+        read_run(path)
+
+
 def test_a_recorded_task_holds_every_tick_and_all_that_arrived(tmp_path):
     from farhand.runs.scenario import load_scenario
 

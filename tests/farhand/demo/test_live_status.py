@@ -6,6 +6,7 @@ import re
 import pytest
 from rich.console import Console
 
+from farhand.common.messages.intervention import Intervention
 from farhand.demo.live_status import Arrived, StatusView, line, render
 from farhand.runs.freshness import Ages, picture
 from farhand.testing import report
@@ -67,6 +68,23 @@ def test_80_columns_show_all_of_it():
     assert "…" not in text
     assert "no progress: obstacle 'ball'" in text
     assert all(len(row) <= 80 for row in text.splitlines())
+
+
+def test_what_the_guard_did_and_which_side_is_free_is_drawn_and_written():
+    did = Intervention(
+        part="forearm", obstacle="post-2", distance=0.031, limit=0.01, asked=0.3, done=0.12, what="slowed"
+    )
+    _, text = drawn(Ages(0.1, 0.1), guard=did, blocked_by="post-2", free_side="left")
+    flat = " ".join(text.split())
+    assert "guard slowed: forearm 31 mm from post-2, limit 10 mm" in flat
+    assert "blocked by 'post-2': free to the left" in flat
+    told = line(report(0, **DRIVING, blocked_by="post-2"), picture(Ages(0.1, 0.1), connected=True), 5.0)
+    assert told.endswith("blocked by 'post-2': no side is free")
+    # Between two lines of a file it is not forgotten, and not said twice.
+    rows = [(1.0, report(1, **DRIVING)), (1.5, report(2, **DRIVING, guard=did)), (1.6, report(3, **DRIVING))]
+    rows += [(1.6 + 0.1 * k, report(3 + k, **DRIVING)) for k in range(1, 40)]
+    lines = screen(rows)
+    assert [("forearm" in text) for text in lines] == [False, True, False]
 
 
 def screen(rows):

@@ -83,7 +83,9 @@ def test_a_collision_names_part_and_obstacle():
 
 def test_a_real_run_that_comes_too_near_names_the_obstacle():
     lax = msgspec.structs.replace(
-        POINT, controller=msgspec.structs.replace(POINT.controller, kind="pass-through")
+        POINT,
+        controller=msgspec.structs.replace(POINT.controller, kind="pass-through"),
+        guard=msgspec.structs.replace(POINT.guard, on=False),
     )
     summary = simulate(lax, time_limit=12.0).summary
     assert not summary.safe

@@ -4,12 +4,15 @@ import pytest
 
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.scene import Obstacle
+from farhand.common.shapes.box import Box
+from farhand.common.shapes.sphere import Sphere
 from farhand.testing import (
     OPERATOR_SESSION,
     ROBOT_SESSION,
     command,
     description,
     echo_of,
+    obstacle,
     report,
     scene,
     state,
@@ -67,6 +70,13 @@ def test_an_echo_is_that_of_the_message_it_answers():
     assert command(1, echo=echo_of(seen, hold_ns=3)).echo == echo_of(seen, 3)
     assert (echo_of(seen).session, echo_of(seen).seq, echo_of(seen, 3).hold_ns) == (ROBOT_SESSION, 4, 3)
     assert echo_of(seen).t_sent_ns == 50
+
+
+def test_an_obstacle_is_a_ball_ahead_unless_it_is_said_otherwise():
+    assert obstacle() == Obstacle("ball", (1.0, 0.0, 0.0), 0.1)
+    assert obstacle("crate", shape=Box((0.1, 0.2, 0.3))).position == (1.0, 0.0, 0.0)
+    cart = obstacle("cart", path=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), speed=0.1, acceleration=1.0)
+    assert (cart.shape, cart.position) == (Sphere(0.1), (0.0, 0.0, 0.0))
 
 
 def test_a_scene_holds_its_obstacles_in_order():

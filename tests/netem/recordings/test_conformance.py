@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tomllib
 
 from farhand.common.errors import TraceError
+from farhand.common.toml import read_toml
 from farhand.netem.recordings.trace import load_trace
 
 FOLDER = Path(__file__).parent / "samples" / "conformance"
-TABLE = tomllib.loads((FOLDER / "table.toml").read_text(encoding="utf-8"))
+TABLE = read_toml(FOLDER / "table.toml", "table")
 
 
 def test_the_table_is_of_every_file():

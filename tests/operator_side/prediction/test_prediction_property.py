@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from farhand.common.geometry import Twist
+from farhand.common.geometry import Twist, turn_between
+from farhand.common.messages.report import UPRIGHT
 from farhand.operator_side.prediction.command_history import KEPT, CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
 from farhand.operator_side.prediction.law import Known
@@ -232,3 +233,47 @@ def test_each_command_is_looked_at_once_and_only_mine_and_within_the_window():
 
 def test_the_scenarios_point_is_such_a_robot():
     assert isinstance(make_robot(load_scenario("point-obstacle")), PointRobot)
+
+
+TURN = (0.0, 0.3, 0.4)
+
+
+def turning_world(lengths):
+    """Commands that turn for so many periods each while their plans of five go on."""
+    world = World([((0.1, 0.0, 0.0),) * 5] * len(lengths), 0.05)
+    for seq, length in enumerate(lengths):
+        world.history.add(seq, seq * P_NS, PERIOD, ((0.1, 0.0, 0.0),) * 5, ZERO, (TURN,) * length)
+    return world
+
+
+@pytest.mark.parametrize("law", ["timeline", "echo"])
+def test_the_orientation_is_that_of_the_turns_under_way_on_the_same_timeline(law):
+    world = turning_world([5] * 6)
+    prediction = world.predict(law, 0.3, 5)
+    assert prediction.look == pytest.approx(0.25)  # to the instant at which command 5 takes effect
+    assert turn_between(UPRIGHT, prediction.orientation) == pytest.approx([rate * 0.25 for rate in TURN])
+
+
+def test_a_turn_that_ends_before_its_plan_and_commands_that_were_lost_are_counted_on():
+    world = turning_world([2] * 6)
+    world.arrived = {0}
+    prediction = world.predict("timeline", 0.1, 1)  # command 0 was applied for 0.05 s
+    assert turn_between(UPRIGHT, prediction.orientation) == pytest.approx([rate * 0.05 for rate in TURN])
+    late = world.predict("timeline", 0.5, 5)  # still 0, whose turn is over
+    assert late.orientation == UPRIGHT
+
+
+def test_a_body_that_turns_already_goes_on_for_its_lag():
+    law = PREDICTORS.get("timeline")(Known(CommandHistory(), ME, PERIOD, LAG))
+    seen = state(angular_velocity=TURN, applied_session=0)
+    prediction = law.predict(seen, 0, 0, 0.0)
+    assert turn_between(UPRIGHT, prediction.orientation) == pytest.approx([rate * LAG for rate in TURN])
+
+
+@pytest.mark.parametrize(("law", "turned"), [("last-command", 0.2), ("history", 0.2), ("none", None)])
+def test_laws_that_know_the_mean_round_trip_turn_by_it(law, turned):
+    prediction = turning_world([5] * 6).predict(law, 0.5, 6, rtt_mean=0.2)
+    if turned is None:
+        assert prediction.orientation is None
+    else:
+        assert turn_between(UPRIGHT, prediction.orientation) == pytest.approx([r * turned for r in TURN])

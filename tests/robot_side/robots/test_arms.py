@@ -112,7 +112,7 @@ def test_what_an_arm_holds_is_measured_kept_apart_and_named():
     holding.close()
 
 
-def test_a_held_ball_and_a_slanted_rod():
+def test_a_held_ball_and_a_slanted_rod_make_no_noise(capfd):
     for tool in (
         ToolSettings(radius=0.03),
         ToolSettings(radius=0.01, start=(0.1, 0.0, 0.0), end=(0.0, -0.1, 0.1)),
@@ -129,6 +129,7 @@ def test_a_held_ball_and_a_slanted_rod():
         assert shape[5] == pytest.approx(middle, abs=1e-9)
         assert len(arm.capsules) == len(model("ur5").capsules) + 1
         robot.close()
+    assert capfd.readouterr() == ("", "")
 
 
 def test_an_arm_by_its_files(files, tmp_path):

@@ -1,0 +1,116 @@
+"""What one period of an arm costs, part by part, and how many times real time that is.
+
+`python -m benchmarks.arm_tick [--json FILE]`. The parts are timed in turn within every period of one drive, so that
+they meet the same machine; compare them with one another, and nothing across runs.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from farhand.common.geometry import Twist
+from farhand.common.messages.scene import Obstacle
+from farhand.common.seeds import stream
+from farhand.common.shapes.box import Box
+from farhand.common.shapes.capsule import Capsule
+from farhand.common.shapes.sphere import Sphere
+from farhand.common.timing.clock import processor_seconds
+from farhand.robot_side.robots.pybullet_arm import ArmRobot
+from farhand.robot_side.safety.guard.arm_guard import ArmGuard
+from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
+from farhand.runs.scenario import load_scenario, replace_setting
+
+DT = 0.002
+PERIODS = 4000
+OBSTACLES = 20
+WISHED = {"ur5": 150e-6, "panda": 200e-6}
+"""s: p99 of all but the physics, with the guard and 20 obstacles."""
+
+
+def clutter(robot: ArmRobot) -> Surroundings:
+    """Spheres, capsules and boxes all around the arm, none in it."""
+    rng = stream(1, "clutter")
+    shapes = (Sphere(0.06), Capsule(0.03, 0.1), Box((0.04, 0.05, 0.06)))
+    found: list[Obstacle] = []
+    while len(found) < OBSTACLES:
+        angle, radius = rng.uniform(-np.pi, np.pi), rng.uniform(0.3, 0.9)
+        position = (
+            float(radius * np.cos(angle)),
+            float(radius * np.sin(angle)),
+            float(rng.uniform(0.0, 0.9)),
+        )
+        one = Obstacle(id=f"o{len(found)}", shape=shapes[len(found) % 3], position=position)
+        gap = robot.arm_clearance((one,))
+        if gap is None or gap > 0.1:
+            found.append(one)
+    return surroundings_of(tuple(found))
+
+
+def timed(do: Callable[[], object], into: list[float]) -> None:
+    began = processor_seconds()
+    do()
+    into.append(processor_seconds() - began)
+
+
+def measure(model: str) -> dict[str, Any]:
+    """Seconds a period, of each part: median and p99."""
+    scenario = msgspec.structs.replace(load_scenario(f"{model}-obstacle"), obstacles=())
+    scenario = replace_setting(scenario, "robot.rate_hz", 1.0 / DT)
+    robot = ArmRobot(scenario)
+    nothing, around = surroundings_of(()), clutter(robot)
+    guard = ArmGuard(robot.arm, scenario.guard, scenario.robot.lag, DT)
+    control, still = robot.control, np.zeros(3)
+    spent: dict[str, list[float]] = {name: [] for name in ("law", "guard", "guard 20", "whole", "read")}
+    for period in range(PERIODS):
+        v = np.array([0.0, 0.1, 0.0] if period // 500 % 2 == 0 else [0.0, -0.1, 0.0])
+        q, qd, before = robot._q, robot._qd, robot._commanded.copy()
+        wanted = control.R_base_wanted.copy()
+        timed(lambda: control.joint_velocity(q, before, robot._tool, v, DT, still), spent["law"])  # noqa: B023
+        for name, scene in (("guard", nothing), ("guard 20", around)):
+            timed(lambda: guard.command(q, qd, before, v, still, wanted, scene), spent[name])  # noqa: B023
+        timed(robot.sample, spent["read"])
+        timed(lambda: robot.step(Twist((v[0], v[1], v[2])), DT), spent["whole"])  # noqa: B023
+    robot.close()
+    result: dict[str, Any] = {
+        name: {"median": float(np.median(each)), "p99": float(np.quantile(each, 0.99))}
+        for name, each in spent.items()
+    }
+    plain, beside = result["whole"]["median"], result["law"]["median"]
+    result["times real time, law"] = DT / plain
+    result["times real time, guard 20"] = DT / (plain - beside + result["guard 20"]["median"])
+    result["guard 20 to law"] = result["guard 20"]["median"] / beside
+    result["wished"] = WISHED[model]
+    return result
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, help="write the results here as well")
+    arguments = parser.parse_args()
+    results = {model: measure(model) for model in WISHED}
+    for model, found in results.items():
+        print(model)
+        for name, value in found.items():
+            if isinstance(value, dict):
+                print(
+                    f"  {name:10s} median {value['median'] * 1e6:6.1f} us, p99 {value['p99'] * 1e6:6.1f} us"
+                )
+        print(f"  a period of physics and law: {found['times real time, law']:.0f} x real time")
+        print(
+            f"  with the guard and {OBSTACLES} obstacles: {found['times real time, guard 20']:.0f} x real time"
+        )
+        print(f"  guard to law {found['guard 20 to law']:.1f}; wished p99 {found['wished'] * 1e6:.0f} us")
+    if arguments.json is not None:
+        arguments.json.write_text(json.dumps(results, indent=2), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
