@@ -573,8 +573,10 @@ def guarded_tick(
         if not clear:
             report[WHAT] = BRAKING_NOW
             share = 0.0
-            for i in range(n):
-                qd[i] = stop[i]
+            # Braking must not cost the rows: the way to a stop may lead nearer than they allow. All that the joints
+            # may be able to do is asked of them now.
+            joint_box(limits, q, previous, par[DT], low, high)
+            given_velocity(stop, low, high, rows_out, b_out, count, qd)
     if by_law and share > 0.0:
         part_of_w = np.empty(3)
         for k in range(3):
