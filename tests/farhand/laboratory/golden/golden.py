@@ -64,7 +64,7 @@ class Golden(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True, kw_
     ticks: int
     safe: bool
     finished: bool
-    settings: dict[str, str] = {}
+    settings: dict[str, str | bool] = {}
 
     @property
     def name(self) -> str:
