@@ -9,7 +9,7 @@ from farhand.cli import run
 from farhand.common.errors import SpecError
 from farhand.laboratory.simulation import simulate
 from farhand.netem.settings import NetworkSettings
-from farhand.runs.scenario import load_scenario, replace_setting
+from farhand.runs.scenario import load_scenario, replace_settings
 
 NETWORKS = ["none", "lund-stockholm", "gaussian:50,20", "constant:200", "uniform:50,200", "5g-urban"]
 POINT = load_scenario("point-obstacle")
@@ -45,8 +45,9 @@ def test_the_round_trip_is_the_network_and_the_computing():
     assert summary.rtt_std == pytest.approx(0.0, abs=1e-6)
 
 
-def test_without_margin_and_prediction_it_says_honestly_how_it_went():
-    scenario = replace_setting(replace_setting(POINT, "margin.kind", "none"), "operator.predictor", "none")
+def test_without_margin_prediction_and_guard_it_says_honestly_how_it_went():
+    bare = {"margin.kind": "none", "operator.predictor": "none", "guard.on": False}
+    scenario = replace_settings(POINT, bare)
     summary = simulate(scenario, uplink="constant:200", downlink="constant:200").summary
     assert summary.min_clearance < 0.01
     assert not summary.safe
