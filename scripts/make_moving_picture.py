@@ -21,7 +21,7 @@ import matplotlib.pyplot as plt
 from matplotlib.animation import FuncAnimation, PillowWriter
 
 NETWORK = "constant:200"
-WITHOUT = {"margin.kind": "none", "operator.predictor": "none"}
+WITHOUT = {"margin.kind": "none", "operator.predictor": "none", "guard.on": False}
 RATE, SPEED_UP, REST = 10.0, 3.0, 15
 """Pictures a second; how many times faster than it was; pictures of rest at the end."""
 SEEN = [1, 3]
