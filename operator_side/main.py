@@ -9,7 +9,7 @@ import msgspec
 
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.codec import encode
-from farhand.common.messages.keys import report_key
+from farhand.common.messages.keys import kind_of, mirror_key, report_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.timing.clock import SystemClock, to_ns, to_seconds
 from farhand.common.timing.loop import RealtimeLoop
@@ -51,6 +51,44 @@ class ReportPublisher:
         if not self._connected():
             report = msgspec.structs.replace(report, connected=False)
         self._link.send(Packet(self._key, encode(report)))
+
+
+class MirroredLink:
+    """A link whose sent packets others on this side of the network see as well, and the newest of which they keep.
+
+    Args:
+        link: to the robot.
+        reports: to those others; its publishing thread does the work.
+        name: the robot's name.
+    """
+
+    def __init__(self, link: Link, reports: Link, name: str) -> None:
+        self._link, self.mirror = link, Mirror(reports, name)
+
+    def send(self, packet: Packet) -> None:
+        """Send it, and mirror it."""
+        self._link.send(packet)
+        self.mirror(packet)
+
+    def receive(self) -> list[Packet]:
+        """As of the link itself."""
+        return self._link.receive()
+
+
+class Mirror:
+    """Passes on what it is called with, undecoded, under a key of its own; the newest of a kind wins.
+
+    Args:
+        reports: where to.
+        name: the robot's name.
+    """
+
+    def __init__(self, reports: Link, name: str) -> None:
+        self._reports, self._name = reports, name
+
+    def __call__(self, packet: Packet) -> None:
+        """Queue it for the publishing thread."""
+        self._reports.send(Packet(mirror_key(self._name, kind_of(packet.key)), packet.payload))
 
 
 class Driver(Protocol):
@@ -118,7 +156,8 @@ def run_operator(
 
     def over(now_ns: int) -> bool:
         late = limit.is_up(now_ns)
-        return node.finished or bool(node.fault) or late or stop_event.is_set()
+        done = node.finished and node.device.ends_with_targets
+        return done or bool(node.fault) or late or stop_event.is_set()
 
     loop = RealtimeLoop(node, clock, realtime=realtime, until=over)
     if slot is not None:

@@ -44,6 +44,8 @@ CLASSES: Mapping[str, Delivery] = {
     ),  # once a second: one that is lost is missed for long
     "description": Delivery("newest", "DATA_HIGH", True),  # seldom, and needed before anything moves
     "report": Delivery("newest", "DATA", True),  # on a session of its own, where nothing waits behind it
+    "mirror": Delivery("newest", "DATA", True),  # on the reports' session
+    "steering": Delivery("every", "REAL_TIME", True),  # a stop in it must not give way to what comes after
     "camera": Delivery("newest", "BACKGROUND", False),  # large, and old at once
     OTHER: Delivery("every", "DATA", True),
 }

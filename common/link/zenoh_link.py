@@ -110,6 +110,9 @@ class ZenohLink:
         subscribe: key expressions to receive.
         clock: stamps arrivals.
         on_arrival: called after each arrival, in a Zenoh thread; must only notify.
+
+    Attributes:
+        mirror: called with each packet that arrives, in a Zenoh thread; must only queue it; None: nobody is.
     """
 
     def __init__(
@@ -123,6 +126,7 @@ class ZenohLink:
         self.inbox = KeyedInbox()
         self.outbox = Outbox()
         self.put_errors = 0
+        self.mirror: Callable[[Packet], None] | None = None
         self._clock = clock
         self._on_arrival = on_arrival
         self._subscribers = [session.declare_subscriber(key, self._receive) for key in subscribe]
@@ -163,7 +167,10 @@ class ZenohLink:
     def _receive(self, sample: zenoh.Sample) -> None:
         if sample.kind != zenoh.SampleKind.PUT:
             return
-        self.inbox.put(Packet(str(sample.key_expr), sample.payload.to_bytes(), self._clock.now_ns()))
+        packet = Packet(str(sample.key_expr), sample.payload.to_bytes(), self._clock.now_ns())
+        self.inbox.put(packet)
+        if self.mirror is not None:
+            self.mirror(packet)
         if self._on_arrival is not None:
             self._on_arrival()
 

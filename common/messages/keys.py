@@ -44,6 +44,19 @@ def report_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/report"
 
 
+def mirror_key(robot: str, kind: str) -> str:
+    """Operator to its own console, as it came or left: a message of that kind (state, scene, description, command).
+
+    Under keys of their own, so that nobody who looks for the robot takes its operator's console for it.
+    """
+    return f"{PREFIX}/{robot}/mirror/{kind}"
+
+
+def steering_key(robot: str) -> str:
+    """Console, gamepad or bridge to the operator, on its own host: Steering."""
+    return f"{PREFIX}/{robot}/steering"
+
+
 def handover_key(robot: str) -> str:
     """Queryable of an operator's program, on its own host: hand control over."""
     return f"{PREFIX}/{robot}/handover"

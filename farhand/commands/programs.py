@@ -233,6 +233,28 @@ def watch(
     raise typer.Exit(watch_operator(connect, robot))
 
 
+def console(
+    connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
+    listen: Annotated[
+        str,
+        typer.Option(
+            metavar="HOST:PORT", help="Where browsers find it; beyond this host with --token and --tls."
+        ),
+    ] = "127.0.0.1:8080",
+    robot: RobotOption = "ur5",
+    token: Annotated[str, typer.Option(help="A word that a page must know to be let in.")] = "",
+    tls: TlsOption = "",
+    open_browser: Annotated[bool, typer.Option("--open", help="Open a browser here.")] = False,
+) -> None:
+    """The operator's seat in a browser: drive a robot by hand, beside a running `farhand operator --steer remote`."""
+    from farhand.programs.console import ConsoleOptions, console_program
+
+    options = ConsoleOptions(
+        robot=robot, connect=connect, listen=listen, token=token, tls=tls, opens=open_browser
+    )
+    raise typer.Exit(console_program(options))
+
+
 def tap(
     endpoint: Annotated[str, typer.Argument(help="Endpoint to connect to, such as tcp/127.0.0.1:7447.")],
     key: Annotated[str, typer.Option(help="Key expression to listen to.")] = "**",
@@ -248,5 +270,5 @@ def tap(
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (operator, robot, handover, estop, acknowledge, robots, doctor, watch, tap):
+    for command in (operator, robot, handover, estop, acknowledge, robots, doctor, watch, console, tap):
         app.command()(command)

@@ -23,11 +23,19 @@ from farhand.commands.options import (
     chosen_network,
     chosen_scenario,
 )
+from farhand.operator_side.steering.registry import DEVICES
 
 OutOption = Annotated[
     Path | None, typer.Option("--out", help="Folder for the results (default: runs/<time>-<scenario>).")
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace the run that is in --out already.")]
+DemoSteerOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar=" | ".join([*DEVICES.names(), "browser"]),
+        help="What steers (default: scenario's); browser: you, in a browser.",
+    ),
+]
 
 
 def demo(
@@ -38,7 +46,7 @@ def demo(
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
-    steer: SteerOption = None,
+    steer: DemoSteerOption = None,
     guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
@@ -50,11 +58,15 @@ def demo(
 ) -> None:
     """Drive a robot past an obstacle over an emulated network: three programs, one live status, one summary.
 
+    With --steer browser you drive it, without a time limit, until Ctrl-C.
+
     Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
     """
     from farhand.demo.demo import run_demo
     from farhand.runs.run import Run
 
+    browser = steer == "browser"
+    steer = "remote" if browser else steer
     chosen = chosen_scenario(
         scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
@@ -65,7 +77,7 @@ def demo(
         time_limit=time_limit,
         timeline=timeline,
     )
-    raise typer.Exit(run_demo(run, out=out, force=force, as_json=as_json))
+    raise typer.Exit(run_demo(run, out=out, force=force, as_json=as_json, browser=browser))
 
 
 def simulate(

@@ -12,7 +12,7 @@ from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
-from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
+from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords, Words
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.runs.conclude import conclude
@@ -22,11 +22,11 @@ from farhand.runs.run_folder import make_run_folder, write_scenario
 from farhand.runs.why import INTERRUPTED
 
 MEMORY = "/dev/shm"
-NAMES = ("netem", "robot", "operator")
+NAMES = ("netem", "robot", "operator", "console")
 
 
-def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False) -> int:
-    """Run the demo; returns its exit code: 0 safe and finished, 1 otherwise.
+def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, browser: bool = False) -> int:
+    """Run the demo, by hand in a `browser` or by itself; returns its exit code: 0 safe and finished, 1 otherwise.
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
@@ -39,9 +39,16 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False) 
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
     with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
         left = Path(left_in)
-        why = _run_programs(run, folder, left, stop_event, StatusView(title, console))
+        why = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
         code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left)
+    if not as_json and not browser:
+        console.print("to drive it yourself: farhand demo --steer browser", highlight=False)
     return 1 if why == INTERRUPTED else code
+
+
+def has_desktop() -> bool:
+    """Whether a browser that is opened here is seen by anybody."""
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
 def _memory() -> str | None:
@@ -49,16 +56,24 @@ def _memory() -> str | None:
     return MEMORY if os.access(MEMORY, os.W_OK) else None
 
 
-def _run_programs(run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView) -> str:
-    """Start the three, show their progress, end them; returns what went wrong, or nothing."""
+def _run_programs(
+    run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView, *, browser: bool
+) -> str:
+    """Start the three, and a console if a browser steers, show their progress, end them; returns what went wrong."""
     clock = SystemClock()
-    operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
+    *ports, page = free_ports(4)
+    operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in ports)
     children = Children(folder, clock)
     reader: ReportReader | None = None
     try:
-        for words in _words(run, folder, left, operator_side, robot_side, report):
-            children.start(words.COMMAND, words.words())
         name = run.scenario.robot.kind
+        wanted = _words(run, folder, left, operator_side, robot_side, report)
+        if browser:
+            listen = f"127.0.0.1:{page}"
+            wanted.append(ConsoleWords(connect=report, listen=listen, robot=name, opens=has_desktop()))
+            view.note(f"drive at http://{listen}/")
+        for words in wanted:
+            children.start(words.COMMAND, words.words())
         view.note(
             f"elsewhere: farhand watch --connect {report} --robot {name}; to stop it: farhand estop, likewise"
         )
@@ -101,7 +116,7 @@ def _words(
             connect=(operator_side,),
             report=report,
             seed=run.seed,
-            time_limit=run.time_limit,
+            time_limit=None if run.scenario.steering.kind == "remote" else run.time_limit,
             record=str(folder / RECORDING),
             result=str(left / OPERATOR),
         ),

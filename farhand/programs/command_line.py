@@ -127,6 +127,21 @@ class OperatorWords(ControlChoice, Secured):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ConsoleWords(Words):
+    """`farhand console`."""
+
+    COMMAND: ClassVar[str] = "console"
+    SPELLED: ClassVar[dict[str, str]] = Words.SPELLED | {"opens": "--open"}
+
+    connect: str = ""
+    listen: str = ""
+    robot: str = ""
+    token: str = ""
+    tls: str = ""
+    opens: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
 class SummariseWords(ControlChoice):
     """`farhand summarise`.
 

@@ -7,10 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
+import zenoh
 
+from farhand.common.errors import InputError
+from farhand.common.link.link import Link
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.description import RobotDescription
-from farhand.common.messages.keys import check_robot_name, description_key, scene_key, state_key
+from farhand.common.messages.keys import (
+    check_robot_name,
+    description_key,
+    scene_key,
+    state_key,
+    steering_key,
+)
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
 from farhand.common.process.outputs import survive
@@ -26,9 +35,12 @@ from farhand.common.trust.tls import TlsFolder
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.main import OperatorOutcome, ReportPublisher, run_operator
+from farhand.operator_side.main import MirroredLink, OperatorOutcome, ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
+from farhand.operator_side.steering.device import SteeringDevice
+from farhand.operator_side.steering.registry import make_device
+from farhand.operator_side.steering.remote import Remote
 from farhand.programs.compiling import prepare_aloud
 from farhand.programs.series import Series
 from farhand.programs.sessions import random_session
@@ -121,6 +133,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
     mode = access.mode
     folder = secure(access, lambda line: say("operator", line), "operator", robot)
     called = operator_name(options.name, folder)
+    device = _device(scenario, options)
     stop_event = stop_event_on_signals()
     clock = SystemClock()
     with ExitStack() as closing:
@@ -144,20 +157,23 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         guard(session, folder, robot, "operator", teller.say)
         teller.say(f"{called}: drives robot {robot!r} at {access.where}; Ctrl-C ends it")
         identity = OperatorIdentity(robot, random_session(), called)
-        node = make_operator(scenario, link, identity, controller, processor_seconds)
+        report_link: ZenohLink | None = None
+        if report_session is not None:
+            report_link = _report_link(report_session, robot, device, clock)
+            closing.callback(report_link.close)
+        node = make_operator(
+            scenario, _mirrored(link, report_link, robot), identity, controller, processor_seconds, device
+        )
         if node.device.acknowledges_itself:
             kind = scenario.steering.kind
             teller.say(f"steering {kind!r} acknowledges stops by itself, but never an emergency stop")
         course = Course(node, scenario, teller.say)
         node.listeners.append(course)
-        if report_session is not None:
-            report_link = ZenohLink(report_session, [], clock)
-            closing.callback(report_link.close)
-            node.listeners.append(ReportPublisher(report_link, robot, lambda: not watch.alone))
         slot = Slot()
         handover = HandoverServer(node, slot, clock, report_session, robot, options.report, teller.say)
         closing.callback(handover.close)
-        if report_session is not None:
+        if report_session is not None and report_link is not None:
+            node.listeners.append(ReportPublisher(report_link, robot, lambda: not watch.alone))
             stopper = EstopServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(stopper.close)
             clearer = AcknowledgeServer(node, slot, clock, report_session, robot, teller.say)
@@ -187,6 +203,32 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("operator", line))
     say("operator", "finished" if outcome.finished else "ended before the last target")
     return 0 if outcome.finished else 1
+
+
+def _device(scenario: Scenario, options: OperatorOptions) -> SteeringDevice:
+    """What steers; raises InputError where it is steered from other programs and could not hear them."""
+    device = make_device(scenario.steering)
+    if isinstance(device, Remote) and not options.report:
+        raise InputError("--steer remote: needs --report ENDPOINT, where consoles and gamepads are heard")
+    return device
+
+
+def _report_link(session: zenoh.Session, robot: str, device: SteeringDevice, clock: SystemClock) -> ZenohLink:
+    """The link to who is on this side of the network; a device that is steered from there hears it."""
+    remote = isinstance(device, Remote)
+    link = ZenohLink(session, [steering_key(robot)] if remote else [], clock)
+    if isinstance(device, Remote):
+        device.listen(link)
+    return link
+
+
+def _mirrored(link: ZenohLink, reports: ZenohLink | None, robot: str) -> Link:
+    """The link to the robot, both directions of which are seen on the reports' session too, if there is one."""
+    if reports is None:
+        return link
+    mirrored = MirroredLink(link, reports, robot)
+    link.mirror = mirrored.mirror
+    return mirrored
 
 
 def _recorder(

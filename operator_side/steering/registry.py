@@ -13,7 +13,10 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
     "steering device",
     "farhand.devices",
     "farhand.operator_side.steering.device:SteeringDevice",
-    {"tester": "farhand.operator_side.steering.tester:Tester"},
+    {
+        "tester": "farhand.operator_side.steering.tester:Tester",
+        "remote": "farhand.operator_side.steering.remote:Remote",
+    },
 )
 
 

@@ -4,7 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from farhand.operator_side.main import TimeLimit
+from farhand.common.link.link import Packet, memory_wire
+from farhand.common.messages.keys import command_key, mirror_key
+from farhand.operator_side.main import MirroredLink, TimeLimit
 
 S = 1_000_000_000
 LIMIT = 10
@@ -43,3 +45,14 @@ def test_only_time_in_control_counts(course, end):
 
 def test_without_a_limit_nothing_ends():
     assert ends({"drives": 1.0}, limit=None) is None
+
+
+def test_what_is_sent_is_mirrored_undecoded_and_what_arrives_is_for_the_node_alone():
+    to_robot, robot = memory_wire()
+    reports, console = memory_wire()
+    link = MirroredLink(to_robot, reports, "r")
+    link.send(Packet(command_key("r"), b"anything"))
+    robot.send(Packet("farhand/r/state", b"state"))
+    assert [packet.payload for packet in robot.receive()] == [b"anything"]
+    assert [packet.payload for packet in link.receive()] == [b"state"]
+    assert [(p.key, p.payload) for p in console.receive()] == [(mirror_key("r", "command"), b"anything")]

@@ -16,10 +16,11 @@ from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
+from farhand.common.messages.steering import Steering
 
 REASONS = {"length", "malformed", "checksum", "schema", "unknown-field", "type", "non-finite"}
 TURNING = [*map(chr, range(0x202A, 0x202F)), *map(chr, range(0x2066, 0x206A))]  # the direction of writing
-KINDS = [VelocityCommand, RobotState, Scene, ControlReport]
+KINDS = [VelocityCommand, RobotState, Scene, ControlReport, Steering]
 
 real = st.floats(-1e6, 1e6)
 vector = st.tuples(real, real, real)
@@ -128,7 +129,24 @@ reports = st.builds(
     states=stamp,
     overruns=stamp,
 )
-messages = st.one_of(commands, states, scenes, descriptions, reports)
+steerings = st.builds(
+    Steering,
+    **head,
+    device=name,
+    engaged=st.booleans(),
+    press=stamp,
+    linear=vector,
+    angular=vector,
+    unit=st.sampled_from(["share", "si"]),
+    frame=st.sampled_from(["base", "tool", "view"]),
+    view=st.tuples(real, real, real, real),
+    scale=st.floats(0, 1),
+    estop=st.booleans(),
+    acknowledge=st.booleans(),
+    take=st.booleans(),
+    release=st.booleans(),
+)
+messages = st.one_of(commands, states, scenes, descriptions, reports, steerings)
 
 
 def plain(message):

@@ -6,9 +6,9 @@ import pytest
 import typer
 
 from farhand.cli import app
-from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, SummariseWords
+from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords
 
-ALL = [NetemWords, OperatorWords, RobotWords, SummariseWords]
+ALL = [ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords]
 
 
 def parameters(kind):

@@ -1,0 +1,159 @@
+"""The program `farhand console`: the operator's seat in a browser, beside a running operator's program."""
+
+import asyncio
+import logging
+import socket
+import threading
+import webbrowser
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+
+import uvicorn
+
+from farhand.common.errors import EndpointError, InputError
+from farhand.common.link.endpoints import is_loopback
+from farhand.common.link.zenoh_link import ZenohLink, open_session
+from farhand.common.messages.keys import check_robot_name
+from farhand.common.process.security import local_only
+from farhand.common.process.signals import PeerWatch, stop_event_on_signals
+from farhand.common.process.teller import Teller
+from farhand.common.timing.clock import SystemClock
+from farhand.common.trust.tls import load_folder
+from farhand.operator_side.console.console import Console
+from farhand.operator_side.console.picture import Picture
+from farhand.operator_side.console.robot_model import RobotModel
+from farhand.operator_side.console.said import MAX_BYTES
+from farhand.operator_side.console.server import Door, Server, build_of
+from farhand.programs.sessions import random_session
+from farhand.robot_side.arm.catalogue import ARMS, data_folder
+
+LOOK_EVERY = 0.2
+CLOSING_TIME = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConsoleOptions:
+    """What `farhand console` is asked for.
+
+    Attributes:
+        robot: name of the robot.
+        connect: the operator's report endpoint.
+        listen: HOST:PORT for browsers.
+        token: what a page must know; needed beyond this host.
+        tls: folder with cert.pem and key.pem, for browsers; needed beyond this host.
+        opens: whether a browser is opened here.
+    """
+
+    robot: str
+    connect: str
+    listen: str = "127.0.0.1:8080"
+    token: str = ""
+    tls: str = ""
+    opens: bool = False
+
+
+def console_program(options: ConsoleOptions) -> int:
+    """Serve until it is told to end; raises InputError."""
+    robot = check_robot_name(options.robot)
+    connect = local_only(options.connect, "--connect")
+    host, port = _host_and_port(options.listen)
+    _check_reach(options, host)
+    stop_event, clock = stop_event_on_signals(), SystemClock()
+    with ExitStack() as closing:
+        bound = closing.enter_context(_bound(host, port))
+        teller = Teller("console")
+        closing.callback(teller.close)
+        link = ZenohLink(open_session([connect]), Picture(robot).keys, clock)
+        closing.callback(link.close)
+        PeerWatch("console", connect, link.connected, stop_event)
+        console = Console(robot, link, random_session(), _find_model)
+        names = {host, "localhost", "127.0.0.1"} if is_loopback(f"tcp/{options.listen}") else {host}
+        door = Door(
+            hosts=frozenset(f"{name}:{port}" for name in names), token=options.token, build=build_of()
+        )
+        address = f"{'https' if options.tls else 'http'}://{host}:{port}/"
+        teller.say(f"drive at {address}{f'#{options.token}' if options.token else ''}; Ctrl-C ends it")
+        if options.opens:
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+        asyncio.run(_serve(console, door, clock, teller, bound, options.tls, stop_event))
+    return 0
+
+
+async def _serve(
+    console: Console,
+    door: Door,
+    clock: SystemClock,
+    teller: Teller,
+    bound: socket.socket,
+    tls: str,
+    stop_event: threading.Event,
+) -> None:
+    pages = Server(console, door, clock.now_ns, teller.say)
+    config = uvicorn.Config(
+        pages.app,
+        log_config=None,
+        log_level=logging.ERROR,
+        access_log=False,
+        server_header=False,
+        ws="websockets-sansio",
+        ws_max_size=MAX_BYTES,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=CLOSING_TIME,
+        ssl_certfile=f"{tls}/cert.pem" if tls else None,
+        ssl_keyfile=f"{tls}/key.pem" if tls else None,
+    )
+    server = _Unsignalled(config)
+    serving = asyncio.create_task(server.serve(sockets=[bound]))
+    while not stop_event.is_set() and not serving.done():
+        await asyncio.wait([serving], timeout=LOOK_EVERY)
+    pages.stopping.set()
+    server.should_exit = True
+    await serving
+
+
+class _Unsignalled(uvicorn.Server):
+    """Signals are the program's own, as everywhere."""
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """None of them."""
+        yield
+
+
+def _host_and_port(listen: str) -> tuple[str, int]:
+    host, _, port = listen.rpartition(":")
+    if not host or not port.isdigit() or not 0 < int(port) < 65536:
+        raise InputError(f"--listen {listen!r}: expected HOST:PORT such as 127.0.0.1:8080")
+    return host.strip("[]"), int(port)
+
+
+def _check_reach(options: ConsoleOptions, host: str) -> None:
+    """Raise InputError where strangers could drive."""
+    if options.tls:
+        load_folder(options.tls)
+    if is_loopback(f"tcp/{options.listen}"):
+        return
+    if not (options.token and options.tls):
+        raise InputError(
+            f"--listen {options.listen}: beyond this host a console needs --token WORD and --tls DIR, "
+            "or whoever reaches it can move the robot"
+        )
+
+
+@contextmanager
+def _bound(host: str, port: int) -> Iterator[socket.socket]:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family) as bound:
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            bound.bind((host, port))
+        except OSError as error:
+            raise EndpointError(f"--listen {host}:{port}: {error.strerror}; choose another port") from None
+        yield bound
+
+
+def _find_model(name: str) -> RobotModel | None:
+    """The drawing of an arm that is known by name."""
+    arm = ARMS.get(name)
+    return RobotModel(data_folder(), arm.urdf) if arm is not None else None

@@ -1,0 +1,95 @@
+"""What pages are told, as builtin types that MessagePack knows: a frame many times a second, the rest on change."""
+
+from dataclasses import asdict
+from typing import Any
+
+import msgspec
+
+from farhand.common.messages.description import RobotDescription
+from farhand.common.messages.scene import Scene
+from farhand.operator_side.console.picture import NEVER, Picture
+from farhand.operator_side.console.seat import Seat
+from farhand.operator_side.console.status import Situation, lost, reasons
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(text.split())
+
+
+_STATE = _words(
+    "position orientation velocity joints mode reason holder_name clearance min_clearance arm_clearance"
+)
+_REPORT = _words(
+    """mode desired filtered desired_angular angular intervening predicted predicted_orientation inflation sigma
+    rtt_mean rtt_std loss binding clearance free_side stop_reason target_index target_count safety"""
+)
+
+
+def situation(picture: Picture, seat: Seat, now_ns: int) -> Situation:
+    """What the status is made from."""
+    report_age, state_age = picture.ages(now_ns)
+    driver = seat.pages.get(seat.driver)
+    return Situation(
+        picture.report,
+        picture.state,
+        report_age,
+        state_age,
+        driver.name if driver is not None else "",
+        seat.holds(now_ns),
+    )
+
+
+def frame(picture: Picture, seat: Seat, number: int, now_ns: int) -> dict[str, Any]:
+    """What page `number` is told of one instant."""
+    now = situation(picture, seat, now_ns)
+    state, report = picture.state, picture.report
+    page = seat.pages.get(number)
+    return {
+        "kind": "frame",
+        "state": {name: getattr(state, name) for name in _STATE} if state is not None else None,
+        "guard": msgspec.to_builtins(state.guard) if state is not None and state.guard else None,
+        "report": {name: getattr(report, name) for name in _REPORT} if report is not None else None,
+        "age": _age(now.state_age),
+        "report_age": _age(now.report_age),
+        "path": picture.path if not lost(now) else [],
+        "reasons": [asdict(reason) for reason in reasons(now)],
+        "locked": seat.locked,
+        "you": number,
+        "driver": seat.driver,
+        "driver_name": now.driver,
+        "asking": [[n, each.name] for n, each in seat.pages.items() if each.asks],
+        "watching": len(seat.pages) - (1 if seat.driver else 0),
+        "holds": now.holds,
+        "heard": page.steer.press if page is not None and page.steer is not None else 0,
+        "late": page is not None and page.late,
+    }
+
+
+def scene_told(scene: Scene) -> dict[str, Any]:
+    """Obstacles and targets."""
+    return {
+        "kind": "scene",
+        "obstacles": [_obstacle(msgspec.to_builtins(each)) for each in scene.obstacles],
+        "targets": [list(target) for target in scene.targets],
+    }
+
+
+def robot_told(robot: RobotDescription) -> dict[str, Any]:
+    """What the robot is."""
+    return {
+        "kind": "robot",
+        "name": robot.source,
+        "model": robot.model,
+        "joints": list(robot.joint_names),
+        "radius": robot.radius,
+        "lag": robot.lag,
+    }
+
+
+def _obstacle(found: dict[str, Any]) -> dict[str, Any]:
+    """With all that is left out on the wire where it is a default."""
+    return {"orientation": (1.0, 0.0, 0.0, 0.0), "velocity": (0.0, 0.0, 0.0)} | found
+
+
+def _age(seconds: float) -> float | None:
+    return None if seconds >= NEVER else round(seconds, 3)

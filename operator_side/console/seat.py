@@ -1,0 +1,185 @@
+"""Who of several pages drives, and what the operator's program is told of it: a state machine that is told the time.
+
+One drives, the others watch. A page that closes, freezes or falls silent has let go (latch.py); whatever it says
+late, twice or out of order moves nothing.
+"""
+
+from dataclasses import dataclass, field, replace
+
+from farhand.common.messages.base import ZERO, Quaternion, Vector3
+from farhand.common.messages.steering import Frame
+from farhand.operator_side.console.said import Do, Steer
+from farhand.operator_side.steering.latch import Latch
+
+GONE_AFTER_NS = 3_000_000_000
+"""A driver that says nothing for so long drives no more."""
+LATE_NS = 150_000_000
+"""A message that took so much longer than the fastest of its page counts as not sent."""
+ESTOP_FOR_NS = 1_000_000_000
+"""For so long an emergency stop is said again and again; the operator's program goes on until the robot has it."""
+RATE, BURST = 200.0, 400.0
+"""Messages a second of one page, and at once."""
+
+
+@dataclass(slots=True)
+class Page:
+    """A connected page.
+
+    Attributes:
+        name: for people.
+        asks: whether it asks for the wheel that another one has.
+        late: whether its newest message came too late to count.
+    """
+
+    name: str
+    heard_ns: int
+    latch: Latch = field(default_factory=Latch)
+    asks: bool = False
+    late: bool = False
+    order: int = -1
+    steer: Steer | None = None
+    fastest_ns: int | None = None
+    allowance: float = BURST
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What the operator's program is told; see common/messages/steering.py."""
+
+    engaged: bool = False
+    press: int = 0
+    linear: Vector3 = ZERO
+    angular: Vector3 = ZERO
+    frame: Frame = "base"
+    view: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    scale: float = 1.0
+    estop: bool = False
+    acknowledge: bool = False
+    take: bool = False
+    release: bool = False
+
+
+class Seat:
+    """Attributes:
+    pages: by number.
+    driver: number of the page that drives; 0: none.
+    locked: why nobody may drive now; empty: nothing is in the way.
+    """
+
+    def __init__(self) -> None:
+        self.pages: dict[int, Page] = {}
+        self.driver = 0
+        self.locked = ""
+        self._press = 0
+        self._estop_ns: int | None = None
+        self._acknowledge = self._take = self._release = False
+
+    def join(self, number: int, name: str, now_ns: int) -> None:
+        """A page has come."""
+        self.pages[number] = Page(name, now_ns)
+
+    def leave(self, number: int) -> None:
+        """A page is gone."""
+        self.pages.pop(number, None)
+        if self.driver == number:
+            self._free()
+
+    def hear(self, number: int, said: Steer | Do, now_ns: int) -> bool:
+        """Take what a page says; False where it says too much and must go."""
+        page = self.pages[number]
+        page.allowance = min(BURST, page.allowance + (now_ns - page.heard_ns) * 1e-9 * RATE) - 1.0
+        page.heard_ns = now_ns
+        if page.allowance < 0.0:
+            return False
+        if said.n <= page.order:
+            return True
+        page.order = said.n
+        if isinstance(said, Do):
+            self._do(number, page, said, now_ns)
+        else:
+            self._steer(number, page, said, now_ns)
+        return True
+
+    def lock(self, why: str) -> None:
+        """Let nobody drive while `why` is not empty; afterwards a new press is needed."""
+        self.locked = why
+        if why:
+            for page in self.pages.values():
+                page.latch.disarm()
+
+    def holds(self, now_ns: int) -> bool:
+        """Whether the driver holds something down."""
+        page = self.pages.get(self.driver)
+        return page is not None and not self.locked and page.latch.holds(now_ns)
+
+    def wish(self, now_ns: int) -> Wish:
+        """What is wanted at `now_ns`; buttons that are pressed once are in one wish only."""
+        page = self.pages.get(self.driver)
+        if page is not None and now_ns - page.heard_ns > GONE_AFTER_NS:
+            self._free()
+            page = None
+        if self._estop_ns is not None and now_ns - self._estop_ns > ESTOP_FOR_NS:
+            self._estop_ns = None
+        estop, holds = self._estop_ns is not None, self.holds(now_ns)
+        wish = Wish(
+            press=self._press,
+            estop=estop,
+            acknowledge=self._acknowledge and not estop,
+            take=self._take,
+            release=self._release,
+        )
+        self._acknowledge = self._take = self._release = False
+        if page is None or page.steer is None or not holds or estop:
+            return wish
+        said = page.steer
+        return replace(
+            wish,
+            engaged=True,
+            linear=said.linear,
+            angular=said.angular,
+            frame=said.frame,
+            view=said.view,
+            scale=said.scale,
+        )
+
+    def _steer(self, number: int, page: Page, said: Steer, now_ns: int) -> None:
+        took_ns = now_ns - round(said.t * 1e6)
+        page.fastest_ns = took_ns if page.fastest_ns is None else min(page.fastest_ns, took_ns)
+        page.late = took_ns - page.fastest_ns > LATE_NS
+        held = page.latch.holds(now_ns)
+        may = number == self.driver and not self.locked and not page.late and self._estop_ns is None
+        page.latch.hear(said.engaged and may, said.press, now_ns)
+        page.steer = said
+        if page.latch.holds(now_ns) and not held:
+            self._press += 1
+
+    def _do(self, number: int, page: Page, said: Do, now_ns: int) -> None:
+        if said.what == "estop":
+            self._estop_ns = now_ns
+            for each in self.pages.values():
+                each.latch.disarm()
+        elif said.what == "take":
+            page.asks = self.driver != number
+            if self.driver == 0:
+                self._give(number)
+        elif number != self.driver:
+            return
+        elif said.what == "acknowledge":
+            self._acknowledge, self._estop_ns = True, None
+        elif said.what == "release":
+            self._free()
+        elif said.to in self.pages:
+            self._give(said.to)
+
+    def _give(self, number: int) -> None:
+        self.driver, self._take = number, True
+        self.pages[number].asks = False
+        for page in self.pages.values():
+            page.latch.disarm()
+
+    def _free(self) -> None:
+        self.driver, self._release = 0, True
+        waiting = next((number for number, page in self.pages.items() if page.asks), 0)
+        if waiting:
+            self._give(waiting)
+            self._release = False

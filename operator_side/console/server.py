@@ -1,0 +1,216 @@
+"""The console's pages over HTTP and one web socket each: who may come in, what comes out."""
+
+import secrets
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import anyio
+import msgspec
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from farhand.operator_side.console.console import Console
+from farhand.operator_side.console.frames import frame, robot_told, scene_told
+from farhand.operator_side.console.said import Hello, SaidError, read_said
+
+STATIC = Path(__file__).resolve().parent / "static"
+FRAME_PERIOD, BEAT_PERIOD = 1.0 / 30.0, 0.02
+HELLO_PATIENCE = 5.0
+MOST_PAGES = 16
+REFUSED, UNREADABLE, TOO_OLD, TOO_MANY = 4003, 4007, 4001, 4008
+_TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-cache",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Door:
+    """Who may come in.
+
+    Attributes:
+        hosts: `HOST:PORT`, as browsers call this console; another name, or a page of another one, is refused.
+        token: what a page must know; empty: nothing.
+        build: what the page that is served was built from; pages of another build are told to reload.
+    """
+
+    hosts: frozenset[str]
+    token: str = ""
+    build: str = ""
+
+
+def build_of(static: Path = STATIC) -> str:
+    """What the page was built from; empty where it was not built."""
+    try:
+        found: dict[str, str] = msgspec.json.decode((static / "built.json").read_bytes(), type=dict[str, str])
+    except (OSError, msgspec.DecodeError):
+        return ""
+    return found.get("sources", "")
+
+
+class Server:
+    """Args:
+    console: what pages see and change.
+    door: who may come in.
+    now_ns: the clock.
+    tell: takes a line for people.
+    """
+
+    def __init__(
+        self, console: Console, door: Door, now_ns: Callable[[], int], tell: Callable[[str], None]
+    ) -> None:
+        self._console, self._door, self._now_ns, self._tell = console, door, now_ns, tell
+        self._numbers = 0
+        self.stopping = anyio.Event()
+        routes = [
+            Route("/", self._file),
+            Route("/{name}", self._file),
+            Route("/robot/{name}", self._robot),
+            WebSocketRoute("/socket", self._socket),
+        ]
+        self.app = Starlette(routes=routes, lifespan=self._lifespan)
+
+    @asynccontextmanager
+    async def _lifespan(self, _app: Starlette) -> AsyncIterator[None]:
+        async with anyio.create_task_group() as group:
+            group.start_soon(self._beat)
+            yield
+            self.stopping.set()
+
+    async def _beat(self) -> None:
+        while not await self._stops_within(BEAT_PERIOD):
+            self._console.beat(self._now_ns())
+
+    async def _stops_within(self, seconds: float) -> bool:
+        with anyio.move_on_after(seconds):
+            await self.stopping.wait()
+        return self.stopping.is_set()
+
+    async def _file(self, request: Request) -> Response:
+        name = request.path_params.get("name", "index.html")
+        kind = _TYPES.get(Path(name).suffix)
+        path = STATIC / name
+        if request.headers.get("host", "") not in self._door.hosts:
+            return Response("this console has another name", 421, _HEADERS)
+        if kind is None or path.parent != STATIC or not path.is_file():
+            return Response("there is no such page", 404, _HEADERS)
+        return Response(path.read_bytes(), media_type=kind, headers=_HEADERS)
+
+    async def _robot(self, request: Request) -> Response:
+        model, name = self._console.model, request.path_params["name"]
+        if model is not None and name == "model.urdf":
+            return Response(model.urdf, media_type="text/xml", headers=_HEADERS)
+        if model is not None and name in model.meshes:
+            return Response(model.meshes[name].read_bytes(), media_type="model/stl", headers=_HEADERS)
+        return Response("the robot has no such drawing", 404, _HEADERS)
+
+    async def _socket(self, socket: WebSocket) -> None:
+        origin = urlsplit(socket.headers.get("origin", "")).netloc
+        host = socket.headers.get("host", "")
+        if host not in self._door.hosts or origin != host or len(self._console.seat.pages) >= MOST_PAGES:
+            await socket.close(1008)
+            return
+        await socket.accept()
+        try:
+            if not await self._greet(socket):
+                return
+            await self._serve(socket)
+        except WebSocketDisconnect:
+            pass
+
+    async def _greet(self, socket: WebSocket) -> bool:
+        """Whether the page may stay; if not, it is told why."""
+        try:
+            with anyio.fail_after(HELLO_PATIENCE):
+                said = read_said(await _received(socket))
+        except (SaidError, TimeoutError):
+            said = None
+        if not isinstance(said, Hello):
+            await socket.close(UNREADABLE, "expected a hello")
+            return False
+        if not secrets.compare_digest(said.token.encode(), self._door.token.encode()):
+            self._tell("a page with a wrong token was refused")
+            await socket.close(REFUSED, "the token is wrong: open the address that the console printed")
+            return False
+        if said.page != self._door.build:
+            await socket.close(TOO_OLD, "this page is of another version: reload it")
+            return False
+        return True
+
+    async def _serve(self, socket: WebSocket) -> None:
+        self._numbers += 1
+        number = self._numbers
+        self._console.seat.join(number, f"page {number}", self._now_ns())
+        try:
+            async with anyio.create_task_group() as group:
+                group.start_soon(self._show, socket, number)
+                await self._hear(socket, number)
+                group.cancel_scope.cancel()
+        finally:
+            self._console.leave(number, self._now_ns())
+
+    async def _show(self, socket: WebSocket, number: int) -> None:
+        """Frames as fast as the page takes them, 30 a second at most; the rest on change."""
+        try:
+            await self._show_all(socket, number)
+        except (WebSocketDisconnect, RuntimeError):
+            pass  # it is gone; whoever hears it learns so as well
+
+    async def _show_all(self, socket: WebSocket, number: int) -> None:
+        told: list[object] = [None, None]
+        picture = self._console.picture
+        while not await self._stops_within(FRAME_PERIOD):
+            if picture.description is not None and _is_new(picture.description, told[0]):
+                told[0] = picture.description
+                await _send(socket, robot_told(picture.description))
+            if picture.scene is not None and picture.scene is not told[1]:
+                told[1] = picture.scene
+                await _send(socket, scene_told(picture.scene))
+            await _send(socket, frame(picture, self._console.seat, number, self._now_ns()))
+
+    async def _hear(self, socket: WebSocket, number: int) -> None:
+        while True:
+            try:
+                said = read_said(await _received(socket))
+            except WebSocketDisconnect:
+                return
+            except SaidError as error:
+                self._tell(f"page {number} is let go: {str(error)[:200]}")
+                await socket.close(UNREADABLE, "what this page says is no message")
+                return
+            if isinstance(said, Hello):
+                continue
+            if not self._console.hear(number, said, self._now_ns()):
+                self._tell(f"page {number} is let go: it says too much")
+                await socket.close(TOO_MANY, "this page says too much")
+                return
+
+
+def _is_new(description: object, told: object) -> bool:
+    return told is None or not description.same_robot(told)  # type: ignore[attr-defined]
+
+
+async def _received(socket: WebSocket) -> bytes:
+    """The next message; raises SaidError for text, WebSocketDisconnect at the end."""
+    message = await socket.receive()
+    if message["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect(message.get("code", 1005))
+    payload = message.get("bytes")
+    if payload is None:
+        raise SaidError("text; expected MessagePack")
+    return bytes(payload)
+
+
+async def _send(socket: WebSocket, told: dict[str, object]) -> None:
+    await socket.send_bytes(msgspec.msgpack.encode(told))

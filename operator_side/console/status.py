@@ -1,0 +1,146 @@
+"""One pill and one sentence: what the robot does, and why it does not do what was asked; with what clears it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from farhand.common.geometry import norm
+from farhand.common.messages.report import ControlReport
+from farhand.common.messages.state import RobotState
+
+LOST_AFTER = 1.0
+"""Without news for so long nobody drives (s)."""
+LESS = 0.9
+"""Share of the asked speed under which it counts as slowed."""
+STILL = 1e-3
+"""m/s"""
+
+Pill = Literal["ready", "run", "held", "slowed", "stopped", "e-stop", "link lost", "taken"]
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Attributes:
+    pill: the word for it.
+    what: in one sentence.
+    clears: what clears it; empty: nothing needs to.
+    """
+
+    pill: Pill
+    what: str
+    clears: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """Attributes:
+    report, state: newest; None: none came.
+    report_age, state_age: since they came (s).
+    driver: name of the page that drives; empty: none does.
+    holds: whether it holds something down.
+    """
+
+    report: ControlReport | None
+    state: RobotState | None
+    report_age: float
+    state_age: float
+    driver: str = ""
+    holds: bool = False
+
+
+def reasons(now: Situation) -> list[Reason]:
+    """All that there is to say, what matters most first; never empty."""
+    return [*_lost(now), *_stopped(now), *_changed(now), *_waiting(now)] or [Reason("run", "As asked.")]
+
+
+def lost(now: Situation) -> str:
+    """Why nobody may drive; empty where nothing is in the way."""
+    return next((reason.what for reason in _lost(now)), "")
+
+
+def _lost(now: Situation) -> Iterator[Reason]:
+    if now.report is None:
+        yield Reason(
+            "link lost", "Waiting for the operator's program.", "It is found by itself once it runs."
+        )
+    elif now.report_age > LOST_AFTER:
+        yield Reason(
+            "link lost",
+            f"Silent for {now.report_age:.1f} s: the operator's program. Driving is locked.",
+            "Start it again; this page finds it by itself, and a new press drives on.",
+        )
+    elif now.state is None:
+        yield Reason(
+            "link lost", "Nothing has come from the robot yet.", "It is heard by itself once it runs."
+        )
+    elif now.state_age > LOST_AFTER:
+        yield Reason(
+            "link lost",
+            f"No news from the robot for {now.state_age:.1f} s. Driving is locked.",
+            "It unlocks by itself when the robot is heard again; then press anew.",
+        )
+
+
+def _stopped(now: Situation) -> Iterator[Reason]:
+    state = now.state
+    if state is None:
+        return
+    if state.mode == "estop":
+        yield Reason("e-stop", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
+    elif state.mode == "stopped":
+        yield Reason("stopped", f"Stopped: {state.reason}.", "Acknowledge, then press anew.")
+    if now.report is not None and "holds control" in now.report.stop_reason:
+        yield Reason("taken", f"{now.report.stop_reason}.", "Its holder hands over, or gives control up.")
+
+
+def _changed(now: Situation) -> Iterator[Reason]:
+    """What is done other than asked."""
+    report, state = now.report, now.state
+    if report is None or state is None or not now.holds:
+        return
+    if state.guard:
+        guard = state.guard
+        of = f" from {guard.obstacle}" if guard.obstacle else ""
+        yield Reason(
+            "slowed",
+            f"{guard.what.capitalize()}: {guard.part} {_mm(guard.distance)} mm{of}; "
+            f"the robot's guard keeps {_mm(guard.limit)}.",
+            "Move away from it, or along it.",
+        )
+    asked, done = norm(report.desired), norm(report.filtered)
+    if report.intervening and asked > STILL and done < LESS * asked:
+        word = "Held" if done < STILL else "Slowed"
+        near = f": {_mm(report.clearance)} mm to the nearest obstacle" if report.clearance is not None else ""
+        names = f" ({report.binding} binds)" if report.binding else ""
+        margin = report.inflation + report.sigma
+        yield Reason(
+            "held" if done < STILL else "slowed",
+            f"{word}{near}{names}; margin {_mm(margin)}{_parts(report)}.",
+            f"The way is free to the {report.free_side}."
+            if report.free_side
+            else "Move away from it, or along it.",
+        )
+    if report.stop_reason and report.mode != "run":
+        yield Reason("held", f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}.")
+    if report.held_by:
+        yield Reason("held", f"No progress: held by {report.held_by}.")
+
+
+def _waiting(now: Situation) -> Iterator[Reason]:
+    if now.holds or now.state is None:
+        return
+    if not now.driver:
+        yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
+    else:
+        yield Reason("ready", "Hold a key or a button to move; let go to stop.")
+
+
+def _parts(report: ControlReport) -> str:
+    network = sum(value for name, value in report.margin_parts.items() if name != "lag")
+    return (
+        f", of which the network {_mm(network)}" if network > 0.0005 and len(report.margin_parts) > 1 else ""
+    )
+
+
+def _mm(metres: float) -> str:
+    return f"{metres * 1e3:.0f}"

@@ -1,0 +1,176 @@
+"""Who drives: hold-to-run, one driver, and all that moves nothing, however a page misbehaves."""
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from farhand.operator_side.console.said import Do, Steer
+from farhand.operator_side.console.seat import BURST, GONE_AFTER_NS, Seat
+
+MS = 1_000_000
+
+
+class Pages:
+    """A seat, the time, and pages that say things in order."""
+
+    def __init__(self, *numbers):
+        self.seat, self.now, self.n = Seat(), 0, 0
+        for number in numbers:
+            self.seat.join(number, f"page {number}", 0)
+
+    def does(self, number, what, to=0):
+        self.n += 1
+        return self.seat.hear(number, Do(self.n, what, to), self.now)
+
+    def steers(self, number, engaged, press, late=0, n=None):
+        self.n += 1
+        said = Steer(self.n if n is None else n, self.now / MS - late, engaged, press, linear=(1.0, 0.0, 0.0))
+        return self.seat.hear(number, said, self.now)
+
+    def after(self, ms):
+        self.now += ms * MS
+        return self.seat.wish(self.now)
+
+
+def driving():
+    pages = Pages(1, 2)
+    pages.now = 10_000 * MS
+    pages.does(1, "take")
+    pages.seat.wish(pages.now)
+    pages.steers(1, False, 0)
+    pages.steers(1, True, 1)
+    assert pages.seat.wish(pages.now).engaged
+    return pages
+
+
+def test_who_only_watches_moves_nothing():
+    pages = driving()
+    pages.steers(1, False, 1)
+    pages.steers(2, True, 1)
+    assert not pages.after(1).engaged
+
+
+def test_release_and_silence_let_go_and_the_same_press_moves_nothing_any_more():
+    pages = driving()
+    assert pages.after(150).engaged
+    assert not pages.after(1).engaged
+    pages.steers(1, True, 1)
+    assert not pages.after(1).engaged
+    pages.steers(1, True, 2)
+    assert pages.after(1).engaged
+    pages.steers(1, False, 2)
+    assert not pages.after(1).engaged
+
+
+def test_what_comes_late_or_twice_or_out_of_order_moves_nothing():
+    pages = driving()
+    pages.steers(1, False, 1)
+    pages.steers(1, True, 2, late=200)
+    assert not pages.after(1).engaged
+    assert pages.seat.pages[1].late
+    pages.steers(1, True, 3, n=2)
+    assert not pages.after(1).engaged
+    pages.steers(1, True, 4)
+    assert pages.after(1).engaged
+
+
+def test_a_driver_that_leaves_or_is_gone_frees_the_wheel_once():
+    pages = driving()
+    pages.seat.leave(1)
+    assert pages.seat.driver == 0
+    assert pages.after(1).release
+    assert not pages.after(1).release
+    pages.does(2, "take")
+    assert pages.seat.driver == 2
+    pages.after(GONE_AFTER_NS // MS + 1)
+    assert pages.seat.driver == 0
+
+
+def test_a_handover_disarms_and_a_key_that_is_held_meanwhile_counts_for_nothing():
+    pages = driving()
+    pages.does(2, "take")
+    assert pages.seat.driver == 1
+    assert pages.seat.pages[2].asks
+    pages.steers(2, True, 1)
+    pages.does(1, "give", to=2)
+    assert pages.seat.driver == 2
+    pages.steers(2, True, 1)
+    assert not pages.after(1).engaged
+    pages.steers(2, True, 2)
+    assert pages.after(1).engaged
+
+
+def test_who_asked_gets_the_wheel_that_is_given_up():
+    pages = driving()
+    pages.does(2, "take")
+    pages.does(1, "release")
+    assert pages.seat.driver == 2
+
+
+def test_anybody_stops_and_the_driver_alone_acknowledges():
+    pages = driving()
+    pages.does(2, "estop")
+    wish = pages.after(1)
+    assert (wish.estop, wish.engaged) == (True, False)
+    pages.does(2, "acknowledge")
+    assert not pages.after(1).acknowledge
+    pages.steers(1, True, 2)
+    assert not pages.after(1).engaged
+    pages.does(1, "acknowledge")
+    wish = pages.after(1)
+    assert (wish.estop, wish.acknowledge) == (False, True)
+    assert not pages.after(1).acknowledge
+    pages.steers(1, True, 2)
+    assert not pages.after(1).engaged
+
+
+def test_a_lock_lets_go_and_what_was_pressed_meanwhile_is_not_done_later():
+    pages = driving()
+    pages.seat.lock("no news")
+    pages.steers(1, True, 2)
+    assert not pages.after(1).engaged
+    pages.seat.lock("")
+    pages.steers(1, True, 2)
+    assert not pages.after(1).engaged
+    pages.steers(1, True, 3)
+    assert pages.after(1).engaged
+
+
+def test_who_says_too_much_must_go():
+    pages = driving()
+    said = [pages.steers(2, False, 0) for _ in range(round(BURST) + 1)]
+    assert not said[-1]
+    assert said[10]
+
+
+acts = st.one_of(
+    st.tuples(st.just("steer"), st.integers(1, 2), st.booleans(), st.integers(0, 1)),
+    st.tuples(st.just("do"), st.integers(1, 2), st.sampled_from(["estop", "acknowledge", "take", "release"])),
+    st.tuples(st.just("wait"), st.integers(0, 300)),
+    st.tuples(st.just("lock"), st.sampled_from(["", "no news"])),
+)
+
+
+@settings(max_examples=60)
+@given(st.lists(acts, max_size=40))
+def test_whatever_happens_only_a_fresh_press_of_the_driver_engages(story):
+    pages, press = Pages(1, 2), {1: 0, 2: 0}
+    pages.now = 10_000 * MS
+    spoke = -1
+    for act in story:
+        if act[0] == "steer":
+            _, number, engaged, more = act
+            press[number] += more
+            pages.steers(number, engaged, press[number])
+            spoke = pages.now if engaged and number == pages.seat.driver else spoke
+        elif act[0] == "do":
+            pages.does(act[1], act[2])
+        elif act[0] == "wait":
+            pages.now += act[1] * MS
+        else:
+            pages.seat.lock(act[1])
+        wish = pages.seat.wish(pages.now)
+        if wish.engaged:
+            assert pages.seat.driver
+            assert not pages.seat.locked
+            assert not wish.estop
+            assert pages.now - spoke <= 150 * MS

@@ -1,0 +1,54 @@
+"""One pill, one sentence: each situation says what is the matter and what clears it."""
+
+import pytest
+
+from farhand.common.messages.intervention import Intervention
+from farhand.operator_side.console.status import Situation, lost, reasons
+from farhand.testing import report, state
+
+NEAR = Intervention(
+    part="forearm", obstacle="ball", distance=0.031, limit=0.01, asked=0.2, done=0.05, what="slowed"
+)
+SLOWED = report(
+    desired=(0.2, 0.0, 0.0),
+    filtered=(0.05, 0.0, 0.0),
+    intervening=True,
+    binding="ball",
+    clearance=0.02,
+    inflation=0.024,
+)
+
+
+def situation(**more):
+    return Situation(**{"report": report(), "state": state(), "report_age": 0.0, "state_age": 0.0} | more)
+
+
+@pytest.mark.parametrize(
+    ("now", "pill", "words"),
+    [
+        (situation(report=None), "link lost", "operator's program"),
+        (situation(report_age=1.5), "link lost", "1.5 s"),
+        (situation(state=None), "link lost", "Nothing has come"),
+        (situation(state_age=2.0, driver="page 1"), "link lost", "2.0 s"),
+        (situation(state=state(mode="estop", reason="emergency stop by the operator")), "e-stop", "by the operator"),
+        (situation(state=state(mode="stopped", reason="fault: x")), "stopped", "fault: x"),
+        (situation(report=report(stop_reason="anna holds control; waiting")), "taken", "anna"),
+        (situation(), "ready", "Nobody drives"),
+        (situation(driver="page 1"), "ready", "Hold a key"),
+        (situation(driver="page 1", holds=True), "run", "As asked"),
+        (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),
+        (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "margin 24"),
+    ],
+)  # fmt: skip
+def test_the_first_reason_is_the_pill(now, pill, words):
+    first = reasons(now)[0]
+    assert first.pill == pill
+    assert words in first.what
+    assert (pill == "link lost") is bool(lost(now))
+    if pill not in ("run", "ready"):
+        assert first.clears
+
+
+def test_all_that_is_the_matter_is_listed():
+    now = situation(driver="page 1", holds=True, report=SLOWED, state=state(guard=NEAR))
+    assert [reason.pill for reason in reasons(now)] == ["slowed", "slowed"]
