@@ -532,8 +532,9 @@ def guarded_tick(
     )  # fmt: skip
     report[WHAT], report[PART], report[OTHER], report[DISTANCE] = NOTHING_DONE, -1, -1, NOTHING
     report[NEAREST], report[NEAR_PART], report[NEAR_OTHER], report[ROWS] = near, near_part, near_other, count
-    if count > 0:
-        # near to something the joints are asked for no more than they can do for sure, so that they do as told
+    if count > 0 or watching > 0:
+        # Where a stop could lead near to something the joints are asked for no more than they can do for sure, so that
+        # they do as told: what they are behind with when a row first binds, they would never make good.
         for i in range(n):
             sure = par[STOP_SHARE] * acceleration[i] * par[DT]
             low[i] = min(max(low[i], previous[i] - sure), previous[i] + sure)
