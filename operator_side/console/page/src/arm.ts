@@ -19,7 +19,7 @@ export class Arm {
 
   constructor(colour: string, opacity: number) {
     this.material = new MeshStandardMaterial({
-      color: colour, transparent: opacity < 1, opacity, depthWrite: opacity === 1, roughness: 0.75, metalness: 0.1, flatShading: true,
+      color: colour, transparent: opacity < 1, opacity, depthWrite: opacity === 1, roughness: 0.75, metalness: 0.1,
     });
   }
 
@@ -41,7 +41,9 @@ export class Arm {
 
   private paint(): void {
     this.robot?.traverse((each) => {
-      if (each instanceof Mesh) each.material = this.material;
+      if (!(each instanceof Mesh)) return;
+      each.material = this.material;
+      each.geometry.computeVertexNormals(); // those in the files are not all there
     });
   }
 

@@ -62,7 +62,7 @@ export class Panel {
     fill.style.width = `${Math.max(0, Math.min(100, (100 * (clearance ?? 0)) / FULL))}%`;
     mark.style.left = `${Math.min(99, (100 * margin) / FULL)}%`;
     put("speed", state ? Math.hypot(...state.velocity).toFixed(2) : "–");
-    put("asked", report ? `of ${Math.hypot(...report.desired).toFixed(2)} asked` : "of –");
+    put("asked", report ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
     this.link(told);
     this.remember(told, margin);
   }

@@ -14,6 +14,7 @@ const LEAD = 0.22; // s: how far ahead of the prediction the ghost shows a key's
 const QUICK = 0.05; // s
 const SPEED = 0.25; // m/s of a full share, where no command says more
 const OLD = 1.0; // s
+const PACES: [number, number][] = [[0, 2], [0.03, 1], [0.08, 0.75], [0.16, 0.5]]; // s between frames, pixel ratio
 
 export class View3D {
   private readonly renderer: WebGLRenderer | null;
@@ -41,14 +42,17 @@ export class View3D {
   private readonly fresh = new Color();
   private readonly old = new Color();
   private lastMs = 0;
+  private calledMs = 0;
+  private changedMs = 0;
   private slow = 0;
+  private level = 0;
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly labels: Labels) {
     this.renderer = newRenderer(canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(1.15, -1.35, 0.95);
+    this.camera.position.set(-0.72, -1.2, 1.05); // behind the robot's right shoulder: ahead is away from its base
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.target.set(0.3, 0, 0.25);
+    this.controls.target.set(0.36, -0.02, 0.2);
     this.controls.enablePan = false;
     this.controls.minDistance = 0.5;
     this.controls.maxDistance = 4;
@@ -126,21 +130,33 @@ export class View3D {
 
   private draw(ms: number): void {
     requestAnimationFrame((next) => this.draw(next));
-    const dt = Math.min(0.1, (ms - this.lastMs) / 1000);
-    if (this.slow > 0.03 && dt < 0.05) return; // a slow renderer must not starve what listens to keys
+    const since = (ms - this.calledMs) / 1000;
+    this.calledMs = ms;
+    this.pace(since, ms);
+    const dt = (ms - this.lastMs) / 1000;
+    if (dt < PACES[this.level]![0]) return;
     this.lastMs = ms;
-    const began = performance.now();
-    this.update(dt);
+    this.update(Math.min(0.25, dt));
     if (this.renderer) {
       this.resize(this.renderer);
       this.renderer.render(this.scene, this.camera);
     }
-    this.slow += 0.1 * ((performance.now() - began) / 1000 - this.slow);
+  }
+
+  /** A slow renderer must not starve what listens to keys: it draws less often, and coarser. */
+  private pace(since: number, ms: number): void {
+    if (document.hidden || since > 1) return;
+    this.slow += 0.08 * (since - this.slow);
+    if (this.slow > 0.036 && this.level < PACES.length - 1 && ms - this.changedMs > 1200) {
+      this.level += 1;
+      this.changedMs = ms;
+      this.slow = 0.02;
+    }
   }
 
   private resize(renderer: WebGLRenderer): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const ratio = this.slow > 0.03 ? 1 : Math.min(2, devicePixelRatio);
+    const ratio = Math.min(PACES[this.level]![1], devicePixelRatio);
     if (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio)) return;
     renderer.setPixelRatio(ratio);
     renderer.setSize(width, height, false);
@@ -165,6 +181,9 @@ export class View3D {
       this.offset.lerp(velocity.multiplyScalar(LEAD), 1 - Math.exp(-dt / QUICK));
       const at = new Vector3(...report.predicted).add(this.offset);
       this.ghost.reach({ position: at, orientation: quaternion(report.predicted_orientation) });
+      const apart = Math.max(0, ...this.ghost.values.map((q, k) => Math.abs(q - (this.confirmed.values[k] ?? q))));
+      this.ghost.material.opacity = 0.5 * Math.min(1, apart / 0.03); // where they are one, the confirmed one is seen
+      this.ghost.group.visible = apart > 0.002;
       this.labels.say("ghost", this.offset.length() > 0.004 ? "predicted, where it will be" : "", "predicted", this.project(at, 0, -44));
       this.asked.point(position, new Vector3(...report.desired), live);
       this.done.point(position, new Vector3(...report.filtered), live);
