@@ -110,12 +110,16 @@ def _changed(now: Situation) -> Iterator[Reason]:
     asked, done = norm(report.desired), norm(report.filtered)
     if report.intervening and asked > STILL and done < LESS * asked:
         word = "Held" if done < STILL else "Slowed"
-        near = f": {_mm(report.clearance)} mm to the nearest obstacle" if report.clearance is not None else ""
-        names = f" ({report.binding} binds)" if report.binding else ""
+        what = report.binding or "the nearest obstacle"
+        near = (
+            f": tool {_mm(report.clearance)} mm from {what}"
+            if report.clearance is not None
+            else f" by {what}"
+        )
         margin = report.inflation + report.sigma
         yield Reason(
             "held" if done < STILL else "slowed",
-            f"{word}{near}{names}; margin {_mm(margin)}{_parts(report)}.",
+            f"{word}{near}; margin {_mm(margin)}{_parts(report)}.",
             f"The way is free to the {report.free_side}."
             if report.free_side
             else "Move away from it, or along it.",
@@ -136,10 +140,11 @@ def _waiting(now: Situation) -> Iterator[Reason]:
 
 
 def _parts(report: ControlReport) -> str:
-    network = sum(value for name, value in report.margin_parts.items() if name != "lag")
-    return (
-        f", of which the network {_mm(network)}" if network > 0.0005 and len(report.margin_parts) > 1 else ""
-    )
+    """What makes the margin as large as it is, where its law says so."""
+    parts = {name: value for name, value in report.margin_parts.items() if name != "lag"}
+    most = max(parts, key=lambda name: parts[name], default="")
+    why = {"floor": "the least", "innovation": "as the network makes it", "spread": "as the network makes it"}
+    return f", {why[most]}" if most in why else ""
 
 
 def _mm(metres: float) -> str:

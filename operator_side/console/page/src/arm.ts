@@ -1,5 +1,5 @@
 // An arm that is drawn: its URDF in one colour, and the inverse kinematics that a ghost needs.
-import { Box3, Color, Group, Matrix4, Mesh, MeshStandardMaterial, Object3D, Quaternion, Vector3 } from "three";
+import { Box3, Color, Group, LoadingManager, Matrix4, Mesh, MeshStandardMaterial, Object3D, Quaternion, Vector3 } from "three";
 import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
 
 export interface Pose {
@@ -24,15 +24,14 @@ export class Arm {
   }
 
   async load(names: string[]): Promise<void> {
-    const loader = new URDFLoader();
+    const manager = new LoadingManager(() => this.paint()); // of its own: the default one is shared
+    const loader = new URDFLoader(manager);
     const robot = await loader.loadAsync("robot/model.urdf");
     this.robot = robot;
     this.joints = names.map((name) => robot.joints[name]).filter((joint): joint is URDFJoint => joint !== undefined);
     this.last = this.joints.at(-1) ?? null;
     this.group.clear();
     this.group.add(robot);
-    loader.manager.onLoad = () => this.paint();
-    this.paint();
   }
 
   get isLoaded(): boolean {

@@ -74,7 +74,7 @@ export class Panel {
     put("link", word);
     element("link").className = `big word ${word}`;
     const ms = (value: number | null | undefined) => (value == null ? "–" : (value * 1000).toFixed(0));
-    put("numbers", report ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms · loss ${(report.loss * 100).toFixed(1)} %` : "–");
+    put("numbers", report ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms\nloss ${(report.loss * 100).toFixed(1)} %` : "–");
   }
 
   private remember(told: FrameTold, margin: number): void {

@@ -50,9 +50,9 @@ export class View3D {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly labels: Labels) {
     this.renderer = newRenderer(canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-0.72, -1.2, 1.05); // behind the robot's right shoulder: ahead is away from its base
+    this.camera.position.set(-0.85, -1.3, 1.15); // behind the robot's right shoulder: ahead is away from its base
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.target.set(0.36, -0.02, 0.2);
+    this.controls.target.set(0.3, 0, 0.27);
     this.controls.enablePan = false;
     this.controls.minDistance = 0.5;
     this.controls.maxDistance = 4;
