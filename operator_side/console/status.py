@@ -88,7 +88,7 @@ def _stopped(now: Situation) -> Iterator[Reason]:
     if state.mode == "estop":
         yield Reason("e-stop", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
     elif state.mode == "stopped":
-        yield Reason("stopped", f"Stopped: {state.reason}.", "Acknowledge, then press anew.")
+        yield Reason("stopped", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
     if now.report is not None and "holds control" in now.report.stop_reason:
         yield Reason("taken", f"{now.report.stop_reason}.", "Its holder hands over, or gives control up.")
 

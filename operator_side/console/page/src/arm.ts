@@ -24,26 +24,36 @@ export class Arm {
   }
 
   async load(names: string[]): Promise<void> {
-    const manager = new LoadingManager(() => this.paint()); // of its own: the default one is shared
-    const loader = new URDFLoader(manager);
-    const robot = await loader.loadAsync("robot/model.urdf");
+    const manager = new LoadingManager(); // of its own: the default one is shared
+    const robot = await new Promise<URDFRobot>((done, failed) => {
+      let found: URDFRobot | null = null;
+      manager.onLoad = () => found && done(found);
+      new URDFLoader(manager).load("robot/model.urdf", (each) => (found = each), undefined, failed);
+    });
+    robot.traverse((each) => {
+      if (each instanceof Mesh) each.geometry.computeVertexNormals(); // those in the files are not all there
+    });
+    this.adopt(robot, names);
+  }
+
+  /** The same arm once more. */
+  copy(other: Arm, names: string[]): void {
+    if (other.robot) this.adopt(other.robot.clone(), names);
+  }
+
+  private adopt(robot: URDFRobot, names: string[]): void {
     this.robot = robot;
     this.joints = names.map((name) => robot.joints[name]).filter((joint): joint is URDFJoint => joint !== undefined);
     this.last = this.joints.at(-1) ?? null;
     this.group.clear();
     this.group.add(robot);
+    robot.traverse((each) => {
+      if (each instanceof Mesh) each.material = this.material;
+    });
   }
 
   get isLoaded(): boolean {
     return this.last !== null;
-  }
-
-  private paint(): void {
-    this.robot?.traverse((each) => {
-      if (!(each instanceof Mesh)) return;
-      each.material = this.material;
-      each.geometry.computeVertexNormals(); // those in the files are not all there
-    });
   }
 
   colour(colour: Color): void {

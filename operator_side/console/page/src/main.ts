@@ -115,7 +115,7 @@ function show(): void {
   label("estop", latched ? "LATCHED" : asking ? "Stopping …" : "E-STOP", latched ? "by the robot" : "Esc");
   const driving = told.driver === told.you;
   element("acknowledge").hidden = !(stopped && driving);
-  element("seat").hidden = stopped && driving;
+  element("act").classList.toggle("three", stopped && driving);
   const asked = told.asking.find(([number]) => number !== told?.you);
   if (driving && asked) label("seat", `Hand over`, `to ${asked[1]}, who asks`);
   else if (driving) label("seat", "Let go", "give up control");
@@ -164,6 +164,10 @@ addEventListener("keydown", (event) => {
 });
 addEventListener("keyup", (event) => release(event.code));
 for (const name of ["blur", "pagehide", "freeze"]) addEventListener(name, letGo);
+addEventListener("pagehide", () => wire.leave());
+addEventListener("pageshow", (event) => {
+  if (event.persisted) location.reload(); // what a browser kept of a page that was left is old
+});
 document.addEventListener("visibilitychange", () => {
   if (document.hidden) letGo();
 });

@@ -25,8 +25,8 @@ export class View3D {
   private readonly ghost = new Arm("#6db9ee", 0.42);
   private readonly obstacles = new Group();
   private readonly targets = new Group();
-  private readonly path = new Mesh(undefined, new MeshBasicMaterial({ color: "#6db9ee" }));
-  private readonly stopRing = new Mesh(new TorusGeometry(0.018, 0.004, 8, 24), new MeshBasicMaterial({ color: "#6db9ee" }));
+  private readonly path = new Mesh(undefined, new MeshBasicMaterial({ color: "#6db9ee", depthTest: false, transparent: true }));
+  private readonly stopRing = new Mesh(new TorusGeometry(0.018, 0.004, 8, 24), new MeshBasicMaterial({ color: "#6db9ee", depthTest: false, transparent: true }));
   private readonly asked = new Arrow(0.004);
   private readonly done = new Arrow(0.009);
   private readonly distance = new Mesh(new CylinderGeometry(0.003, 0.003, 1, 8), new MeshBasicMaterial({ color: "#e8a317" }));
@@ -50,7 +50,7 @@ export class View3D {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly labels: Labels) {
     this.renderer = newRenderer(canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-0.85, -1.3, 1.15); // behind the robot's right shoulder: ahead is away from its base
+    this.camera.position.set(-0.68, -1.1, 1.0); // behind the robot's right shoulder: ahead is away from its base
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.target.set(0.3, 0, 0.27);
     this.controls.enablePan = false;
@@ -63,7 +63,7 @@ export class View3D {
     this.scene.add(new AmbientLight("#ffffff", 0.5), new HemisphereLight("#ffffff", "#777788", 1.1), sun, this.grid);
     this.scene.add(this.confirmed.group, this.ghost.group, this.obstacles, this.targets, this.path, this.stopRing);
     this.scene.add(this.asked.group, this.done.group, this.distance, this.shell);
-    this.ghost.group.renderOrder = 2;
+    this.path.renderOrder = this.stopRing.renderOrder = 4; // never hidden: where it will go is what people drive by
     for (const each of [this.path, this.stopRing, this.distance, this.shell]) each.visible = false;
     this.theme();
     requestAnimationFrame((ms) => this.draw(ms));
@@ -82,7 +82,8 @@ export class View3D {
     this.toolKnown = false;
     if (!told.model || !this.renderer) return;
     try {
-      await Promise.all([this.confirmed.load(told.joints), this.ghost.load(told.joints)]);
+      await this.confirmed.load(told.joints);
+      this.ghost.copy(this.confirmed, told.joints);
     } catch {
       this.labels.say("robot", "this robot has no drawing: its tool is shown alone", "confirmed", null);
     }

@@ -140,6 +140,12 @@ export class Wire {
     this.socket?.close();
   }
 
+  /** For good. */
+  leave(): void {
+    this.final = "this page was left";
+    this.socket?.close();
+  }
+
   private send(message: object): boolean {
     if (!this.isOpen || this.final) return false; // nothing waits for a connection, so that nothing old is done
     this.socket?.send(encode(message, { forceIntegerToFloat: false }));
@@ -161,7 +167,7 @@ export class Wire {
         location.reload();
         return;
       }
-      this.final = event.code >= 4000 && event.code < 4007 ? event.reason : "";
+      this.final ||= event.code >= 4000 && event.code < 4007 ? event.reason : "";
       this.changed(false, event.code >= 4000 ? event.reason : "");
       if (!this.final) setTimeout(() => this.open(), AGAIN_MS);
     };
