@@ -12,6 +12,8 @@ LOST_AFTER = 1.0
 """Without news for so long nobody drives (s)."""
 LESS = 0.9
 """Share of the asked speed under which it counts as slowed."""
+NOT_ENGAGED = "device not engaged"
+"""What the operator's program says of a hand that it does not hear."""
 STILL = 1e-3
 """m/s"""
 
@@ -124,7 +126,9 @@ def _changed(now: Situation) -> Iterator[Reason]:
             if report.free_side
             else "Move away from it, or along it.",
         )
-    if report.stop_reason and report.mode != "run":
+    if report.stop_reason == NOT_ENGAGED:
+        yield Reason("held", "Let go by itself: the hand was not heard for a moment.", "Press anew.")
+    elif report.stop_reason and report.mode != "run":
         yield Reason("held", f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}.")
     if report.held_by:
         yield Reason("held", f"No progress: held by {report.held_by}.")

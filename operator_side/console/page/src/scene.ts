@@ -14,6 +14,7 @@ const LEAD = 0.22; // s: how far ahead of the prediction the ghost shows a key's
 const QUICK = 0.05; // s
 const SPEED = 0.25; // m/s of a full share, where no command says more
 const OLD = 1.0; // s
+const ARROW = 0.7; // s: an arrow's length is the way of so long
 const PACES: [number, number][] = [[0, 2], [0.03, 1], [0.08, 0.75], [0.16, 0.5]]; // s between frames, pixel ratio
 
 export class View3D {
@@ -27,8 +28,9 @@ export class View3D {
   private readonly targets = new Group();
   private readonly path = new Mesh(undefined, new MeshBasicMaterial({ color: "#6db9ee", depthTest: false, transparent: true }));
   private readonly stopRing = new Mesh(new TorusGeometry(0.018, 0.004, 8, 24), new MeshBasicMaterial({ color: "#6db9ee", depthTest: false, transparent: true }));
-  private readonly asked = new Arrow(0.004);
-  private readonly done = new Arrow(0.009);
+  private readonly plan = new Group();
+  private readonly asked = new Arrow(0.003);
+  private readonly done = new Arrow(0.006);
   private readonly distance = new Mesh(new CylinderGeometry(0.003, 0.003, 1, 8), new MeshBasicMaterial({ color: "#e8a317" }));
   private readonly shell = new Mesh(new SphereGeometry(1, 40, 24), new MeshBasicMaterial({ color: "#e8a317", transparent: true, opacity: 0.14, depthWrite: false, side: DoubleSide }));
   private grid = new GridHelper(2.4, 24);
@@ -50,9 +52,9 @@ export class View3D {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly labels: Labels) {
     this.renderer = newRenderer(canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-0.68, -1.1, 1.0); // behind the robot's right shoulder: ahead is away from its base
+    this.camera.position.set(0.5, -1.5, 0.85); // from the robot's right: its reach is not behind itself
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.target.set(0.3, 0, 0.27);
+    this.controls.target.set(0.26, 0, 0.28);
     this.controls.enablePan = false;
     this.controls.minDistance = 0.5;
     this.controls.maxDistance = 4;
@@ -61,9 +63,10 @@ export class View3D {
     const sun = new DirectionalLight("#ffffff", 2.2);
     sun.position.set(1, -2, 3);
     this.scene.add(new AmbientLight("#ffffff", 0.5), new HemisphereLight("#ffffff", "#777788", 1.1), sun, this.grid);
-    this.scene.add(this.confirmed.group, this.ghost.group, this.obstacles, this.targets, this.path, this.stopRing);
+    this.scene.add(this.confirmed.group, this.ghost.group, this.obstacles, this.targets, this.plan);
+    this.plan.add(this.path, this.stopRing);
     this.scene.add(this.asked.group, this.done.group, this.distance, this.shell);
-    this.path.renderOrder = this.stopRing.renderOrder = 4; // never hidden: where it will go is what people drive by
+    this.plan.renderOrder = 4; // never hidden: where it will go is what people drive by
     for (const each of [this.path, this.stopRing, this.distance, this.shell]) each.visible = false;
     this.theme();
     requestAnimationFrame((ms) => this.draw(ms));
@@ -324,7 +327,7 @@ class Arrow {
   }
 
   point(from: Vector3, velocity: Vector3, shown: boolean): void {
-    const length = velocity.length();
+    const length = ARROW * velocity.length();
     this.group.visible = shown && length > 0.004;
     if (!this.group.visible) return;
     this.group.position.copy(from);
