@@ -251,7 +251,7 @@ export class View3D {
     });
     const ring = this.targets.children[next];
     const count = this.targets.children.length;
-    this.labels.say("target", ring ? `target ${next + 1} of ${count}` : count ? "all targets reached" : "", "target", ring ? this.project(ring.position, 0, 34) : null);
+    this.labels.say("target", ring ? `target ${next + 1} of ${count}` : count ? "all targets reached" : "", "target", ring ? this.project(ring.position, 0, -46) : null);
   }
 
   /** What binds: a shell as wide as what is kept, and a line with the distance. */
