@@ -3,9 +3,10 @@
 # make check  style, types, and the one way of imports
 # make bench  speed, as ratios from one run
 # make golden renew, on purpose, what the golden runs give, and say what changed
+# make page  build the console's page anew (Node)
 # make newer  prove one Python newer than 3.11, where pybullet's wheel for it is kept
 # make faults what breaks on a real network, on three hosts in namespaces (root)
-.PHONY: demo test check bench golden newer .venv clean faults
+.PHONY: demo test check bench golden page newer .venv clean faults
 
 demo: .venv
 	@.venv/bin/farhand demo $(ARGS)
@@ -19,6 +20,7 @@ check: .venv/.ready-tests
 	@.venv/bin/mypy
 	@.venv/bin/lint-imports
 	@.venv/bin/python scripts/import_circles.py
+	@.venv/bin/python scripts/page_is_built.py
 
 bench: .venv/.ready-tests
 	@.venv/bin/python -m benchmarks $(ARGS)
@@ -28,6 +30,9 @@ golden: .venv/.ready-tests
 
 faults: .venv
 	@.venv/bin/python -m farhand.trials.faults.runner $(ARGS)
+
+page:
+	@cd operator_side/console/page && npm ci --ignore-scripts --silent && npm test --silent && npm run build --silent
 
 newer:
 	@sh scripts/try-newer-python.sh

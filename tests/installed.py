@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LEFT_OUT = shutil.ignore_patterns(
-    ".venv", ".git", "build", "*.egg-info", "__pycache__", "/runs", ".*_cache", ".hypothesis"
+    ".venv", ".git", "node_modules", "build", "*.egg-info", "__pycache__", "/runs", ".*_cache", ".hypothesis"
 )
 
 

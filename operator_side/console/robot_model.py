@@ -15,8 +15,8 @@ class RobotModel:
         InputError: it cannot be read.
 
     Attributes:
-        urdf: what pages get, with meshes under `robot/`.
-        meshes: files by what pages call them.
+        urdf: what pages get; its meshes lie beside it.
+        meshes: files by what it calls them.
     """
 
     def __init__(self, folder: Path, urdf: str) -> None:
@@ -43,4 +43,4 @@ class RobotModel:
             raise InputError(f"{uri}: no mesh (STL) of the robots' descriptions in {folder}")
         name = f"{len(self.meshes)}-{path.name}"
         self.meshes[name] = path
-        return f"robot/{name}"
+        return name

@@ -12,6 +12,8 @@ LOST_AFTER = 1.0
 """Without news for so long nobody drives (s)."""
 LESS = 0.9
 """Share of the asked speed under which it counts as slowed."""
+NOT_ENGAGED = "device not engaged"
+"""What the operator's program says of a hand that it does not hear."""
 STILL = 1e-3
 """m/s"""
 
@@ -88,7 +90,7 @@ def _stopped(now: Situation) -> Iterator[Reason]:
     if state.mode == "estop":
         yield Reason("e-stop", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
     elif state.mode == "stopped":
-        yield Reason("stopped", f"Stopped: {state.reason}.", "Acknowledge, then press anew.")
+        yield Reason("stopped", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
     if now.report is not None and "holds control" in now.report.stop_reason:
         yield Reason("taken", f"{now.report.stop_reason}.", "Its holder hands over, or gives control up.")
 
@@ -110,17 +112,23 @@ def _changed(now: Situation) -> Iterator[Reason]:
     asked, done = norm(report.desired), norm(report.filtered)
     if report.intervening and asked > STILL and done < LESS * asked:
         word = "Held" if done < STILL else "Slowed"
-        near = f": {_mm(report.clearance)} mm to the nearest obstacle" if report.clearance is not None else ""
-        names = f" ({report.binding} binds)" if report.binding else ""
+        what = report.binding or "the nearest obstacle"
+        near = (
+            f": tool {_mm(report.clearance)} mm from {what}"
+            if report.clearance is not None
+            else f" by {what}"
+        )
         margin = report.inflation + report.sigma
         yield Reason(
             "held" if done < STILL else "slowed",
-            f"{word}{near}{names}; margin {_mm(margin)}{_parts(report)}.",
+            f"{word}{near}; margin {_mm(margin)}{_parts(report)}.",
             f"The way is free to the {report.free_side}."
             if report.free_side
             else "Move away from it, or along it.",
         )
-    if report.stop_reason and report.mode != "run":
+    if report.stop_reason == NOT_ENGAGED:
+        yield Reason("held", "Let go by itself: the hand was not heard for a moment.", "Press anew.")
+    elif report.stop_reason and report.mode != "run":
         yield Reason("held", f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}.")
     if report.held_by:
         yield Reason("held", f"No progress: held by {report.held_by}.")
@@ -136,10 +144,11 @@ def _waiting(now: Situation) -> Iterator[Reason]:
 
 
 def _parts(report: ControlReport) -> str:
-    network = sum(value for name, value in report.margin_parts.items() if name != "lag")
-    return (
-        f", of which the network {_mm(network)}" if network > 0.0005 and len(report.margin_parts) > 1 else ""
-    )
+    """What makes the margin as large as it is, where its law says so."""
+    parts = {name: value for name, value in report.margin_parts.items() if name != "lag"}
+    most = max(parts, key=lambda name: parts[name], default="")
+    why = {"floor": "the least", "innovation": "as the network makes it", "spread": "as the network makes it"}
+    return f", {why[most]}" if most in why else ""
 
 
 def _mm(metres: float) -> str:

@@ -50,7 +50,7 @@ class Remote(SteeringDevice):
         self._newest: Steering | None = None  # of who has the wheel
         self._seqs: dict[int, int] = {}  # newest of each session, the last few
         self._estop_ns: int | None = None  # when one that the robot has not latched yet was asked for
-        self._clears: tuple[str, int, int] | None = None  # the stop that is being acknowledged
+        self._clears: tuple[str, int] | None = None  # the stop that is being acknowledged
 
     def listen(self, link: Link) -> None:
         """Take steering from there on from a link, of which no other class of message comes."""
@@ -154,11 +154,14 @@ def rotated(orientation: Quaternion, vector: Vector3) -> Vector3:
     )
 
 
-def _stop_of(state: RobotState) -> tuple[str, int, int] | None:
-    """What an acknowledgement clears: this stop, or this absence of a holder; None where there is nothing."""
-    if state.mode in _LATCHED or state.holder == 0:
-        return (state.mode, state.stops, state.holder)
-    return None
+def _stop_of(state: RobotState) -> tuple[str, int] | None:
+    """What an acknowledgement clears: this stop, or the want of a holder; None where there is nothing.
+
+    The holder is no part of a stop: who lost control in silence asks for it by the same acknowledgement.
+    """
+    if state.mode in _LATCHED:
+        return (state.mode, state.stops)
+    return ("free", 0) if state.holder == 0 else None
 
 
 def _at_most_one(vector: Vector3) -> Vector3:

@@ -16,7 +16,7 @@ def test_what_is_drawn_is_what_is_used_against_collisions(tmp_path):
     (tmp_path / "r.urdf").write_text(LINK.format("light.stl"))
     model = RobotModel(tmp_path, "r.urdf")
     assert b"heavy" not in model.urdf
-    assert b'<visual><geometry><mesh filename="robot/0-light.stl"' in model.urdf
+    assert b'<visual><geometry><mesh filename="0-light.stl"' in model.urdf
     assert model.meshes == {"0-light.stl": tmp_path / "light.stl"}
 
 

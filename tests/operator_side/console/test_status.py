@@ -3,7 +3,7 @@
 import pytest
 
 from farhand.common.messages.intervention import Intervention
-from farhand.operator_side.console.status import Situation, lost, reasons
+from farhand.operator_side.console.status import NOT_ENGAGED, Situation, lost, reasons
 from farhand.testing import report, state
 
 NEAR = Intervention(
@@ -36,6 +36,7 @@ def situation(**more):
         (situation(), "ready", "Nobody drives"),
         (situation(driver="page 1"), "ready", "Hold a key"),
         (situation(driver="page 1", holds=True), "run", "As asked"),
+        (situation(driver="page 1", holds=True, report=report(mode="hold", stop_reason=NOT_ENGAGED)), "held", "Let go"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "margin 24"),
     ],

@@ -115,6 +115,7 @@ def test_an_old_stop_in_the_newest_state_does_not_swallow_a_new_one():
 def test_an_acknowledgement_counts_for_the_stop_that_was_there():
     hand = Hand().says(acknowledge=True)
     assert hand.wants(mode="stopped", stops=1).acknowledge
+    assert hand.wants(mode="stopped", stops=1, holder=0).acknowledge
     assert not hand.wants(mode="stopped", stops=2).acknowledge
     assert not hand.wants(mode="stopped", stops=1).acknowledge
 

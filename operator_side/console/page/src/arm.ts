@@ -1,0 +1,142 @@
+// An arm that is drawn: its URDF in one colour, and the inverse kinematics that a ghost needs.
+import { Box3, Color, Group, LoadingManager, Matrix4, Mesh, MeshStandardMaterial, Object3D, Quaternion, Vector3 } from "three";
+import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
+
+export interface Pose {
+  position: Vector3;
+  orientation: Quaternion;
+}
+
+export class Arm {
+  readonly group = new Group();
+  readonly material: MeshStandardMaterial;
+  private robot: URDFRobot | null = null;
+  private joints: URDFJoint[] = [];
+  private last: Object3D | null = null;
+  private readonly tool = new Matrix4(); // of the tool, in the last joint's frame
+  private hasTool = false;
+  values: number[] = [];
+
+  constructor(colour: string, opacity: number) {
+    this.material = new MeshStandardMaterial({
+      color: colour, transparent: opacity < 1, opacity, depthWrite: opacity === 1, roughness: 0.75, metalness: 0.1,
+    });
+  }
+
+  async load(names: string[]): Promise<void> {
+    const manager = new LoadingManager(); // of its own: the default one is shared
+    const robot = await new Promise<URDFRobot>((done, failed) => {
+      let found: URDFRobot | null = null;
+      manager.onLoad = () => found && done(found);
+      new URDFLoader(manager).load("robot/model.urdf", (each) => (found = each), undefined, failed);
+    });
+    robot.traverse((each) => {
+      if (each instanceof Mesh) each.geometry.computeVertexNormals(); // those in the files are not all there
+    });
+    this.adopt(robot, names);
+  }
+
+  /** The same arm once more. */
+  copy(other: Arm, names: string[]): void {
+    if (other.robot) this.adopt(other.robot.clone(), names);
+  }
+
+  private adopt(robot: URDFRobot, names: string[]): void {
+    this.robot = robot;
+    this.joints = names.map((name) => robot.joints[name]).filter((joint): joint is URDFJoint => joint !== undefined);
+    this.last = this.joints.at(-1) ?? null;
+    this.group.clear();
+    this.group.add(robot);
+    robot.traverse((each) => {
+      if (each instanceof Mesh) each.material = this.material;
+    });
+  }
+
+  get isLoaded(): boolean {
+    return this.last !== null;
+  }
+
+  colour(colour: Color): void {
+    this.material.color.copy(colour);
+  }
+
+  set(values: number[]): void {
+    this.values = [...values];
+    this.joints.forEach((joint, k) => joint.setJointValue(values[k] ?? 0));
+  }
+
+  /** Where the tool is on the last link follows from one pose that was measured with its joints. */
+  learnTool(values: number[], pose: Pose): void {
+    if (!this.last) return;
+    this.set(values);
+    this.group.updateMatrixWorld(true);
+    const measured = new Matrix4().compose(pose.position, pose.orientation, new Vector3(1, 1, 1));
+    this.tool.copy(this.last.matrixWorld).invert().multiply(measured);
+    this.hasTool = true;
+  }
+
+  copyTool(other: Arm): void {
+    this.tool.copy(other.tool);
+    this.hasTool = other.hasTool;
+  }
+
+  /** A point on a named link, for a line from it. */
+  linkPoint(name: string): Vector3 | null {
+    const link = this.robot?.links[name];
+    if (!link) return null;
+    const box = new Box3();
+    link.children.forEach((child) => {
+      if (!("isURDFJoint" in child)) box.expandByObject(child);
+    });
+    return box.isEmpty() ? link.getWorldPosition(new Vector3()) : box.getCenter(new Vector3());
+  }
+
+  /** Turn the joints so that the tool comes to a pose: damped least squares, a few steps from where they are. */
+  reach(wanted: Pose, steps = 3): void {
+    if (!this.last || !this.hasTool) return;
+    for (let k = 0; k < steps; k += 1) {
+      this.group.updateMatrixWorld(true);
+      const at = new Matrix4().multiplyMatrices(this.last.matrixWorld, this.tool);
+      const position = new Vector3();
+      const orientation = new Quaternion();
+      at.decompose(position, orientation, new Vector3());
+      const error = [...wanted.position.clone().sub(position).toArray(), ...turnBetween(orientation, wanted.orientation)];
+      const columns = this.joints.map((joint) => {
+        const axis = joint.axis.clone().transformDirection(joint.matrixWorld);
+        const from = new Vector3().setFromMatrixPosition(joint.matrixWorld);
+        return [...axis.clone().cross(position.clone().sub(from)).toArray(), ...axis.toArray()];
+      });
+      const change = dampedSolution(columns, error, 0.02);
+      this.set(this.values.map((value, index) => value + Math.max(-0.2, Math.min(0.2, change[index] ?? 0))));
+    }
+  }
+}
+
+function turnBetween(from: Quaternion, to: Quaternion): [number, number, number] {
+  const q = to.clone().multiply(from.clone().invert());
+  const sign = q.w < 0 ? -1 : 1;
+  return [2 * sign * q.x, 2 * sign * q.y, 2 * sign * q.z];
+}
+
+/** Jᵀ (J Jᵀ + d² I)⁻¹ e, with J's columns and e of length 6. */
+export function dampedSolution(columns: number[][], error: number[], damping: number): number[] {
+  const n = error.length;
+  const rows = Array.from({ length: n }, (_, i) =>
+    Array.from({ length: n + 1 }, (_, j) =>
+      j === n
+        ? (error[i] ?? 0)
+        : columns.reduce((sum, column) => sum + (column[i] ?? 0) * (column[j] ?? 0), 0) + (i === j ? damping * damping : 0),
+    ),
+  );
+  for (let i = 0; i < n; i += 1) {
+    // symmetric and positive definite: no pivots are needed
+    const row = rows[i] ?? [];
+    const pivot = row[i] ?? 1;
+    for (let j = i; j <= n; j += 1) row[j] = (row[j] ?? 0) / pivot;
+    rows.forEach((other, k) => {
+      const factor = other[i] ?? 0;
+      if (k !== i && factor !== 0) for (let j = i; j <= n; j += 1) other[j] = (other[j] ?? 0) - factor * (row[j] ?? 0);
+    });
+  }
+  return columns.map((column) => column.reduce((sum, value, i) => sum + value * (rows[i]?.[n] ?? 0), 0));
+}

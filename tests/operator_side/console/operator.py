@@ -1,0 +1,37 @@
+"""An operator's program as a console meets it, in place of a real one."""
+
+from farhand.common.link.link import Packet
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.keys import mirror_key, report_key, steering_key
+from farhand.common.messages.scene import Obstacle
+from farhand.common.messages.steering import Steering
+from farhand.common.timing.clock import SystemClock
+from farhand.testing import command, description, report, scene, state
+
+
+class Operator:
+    """An operator's program as a console meets it: what it published last is always new."""
+
+    def __init__(self):
+        self.clock, self.told, self.seq = SystemClock(), [], 0
+        self.told_ns = []
+        self.state, self.silent = {}, False
+        self.decoder = Decoder(Steering)
+
+    def send(self, packet):
+        assert packet.key == steering_key("r")
+        self.told.append(self.decoder.decode(packet.payload))
+        self.told_ns.append(self.clock.now_ns())
+
+    def receive(self):
+        if self.silent:
+            return []
+        self.seq += 1
+        found = {
+            report_key("r"): report(self.seq),
+            mirror_key("r", "state"): state(self.seq, **self.state),
+            mirror_key("r", "scene"): scene(1, Obstacle("ball", (0.5, 0.0, 0.3), 0.07)),
+            mirror_key("r", "description"): description(1, model="ur5"),
+            mirror_key("r", "command"): command(self.seq, plan=((0.1, 0.0, 0.0),)),
+        }
+        return [Packet(key, encode(message), self.clock.now_ns()) for key, message in found.items()]
