@@ -39,7 +39,7 @@ class Demo(Program):
 
     def wait_until_it_drives(self):
         """Until the live status says `run`; returns the three programs by name."""
-        self.wait_for_line(lambda line: line.split()[-1:] == ["run"] or "filter intervening" in line)
+        self.wait_for_line(lambda line: "run" in line.split() or "filter intervening" in line)
         children = {}
         for child in psutil.Process(self.process.pid).children(recursive=True):
             arguments = child.cmdline()
