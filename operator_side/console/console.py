@@ -48,6 +48,8 @@ class Console:
         """Take what has come, lock what must not be driven, tell the operator's program; 50 times a second."""
         for packet in self._link.receive():
             self.picture.take(packet)
+        if self.picture.state is not None and self.picture.state.mode == "estop":
+            self.seat.stopped()
         self.seat.lock(lost(situation(self.picture, self.seat, now_ns)))
         self._tell(now_ns)
 

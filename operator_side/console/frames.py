@@ -36,6 +36,7 @@ def situation(picture: Picture, seat: Seat, now_ns: int) -> Situation:
         state_age,
         driver.name if driver is not None else "",
         seat.holds(now_ns),
+        seat.stopping,
     )
 
 
@@ -60,6 +61,7 @@ def frame(picture: Picture, seat: Seat, number: int, now_ns: int) -> dict[str, A
         "asking": [[n, each.name] for n, each in seat.pages.items() if each.asks],
         "watching": len(seat.pages) - (1 if seat.driver else 0),
         "holds": now.holds,
+        "stopping": now.stopping,
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
         "late": page is not None and page.late,
     }

@@ -64,12 +64,14 @@ class Seat:
     pages: by number.
     driver: number of the page that drives; 0: none.
     locked: why nobody may drive now; empty: nothing is in the way.
+    stopping: whether an emergency stop was asked for that the robot has not latched yet.
     """
 
     def __init__(self) -> None:
         self.pages: dict[int, Page] = {}
         self.driver = 0
         self.locked = ""
+        self.stopping = False
         self._press = 0
         self._estop_ns: int | None = None
         self._acknowledge = self._take = self._release = False
@@ -106,6 +108,10 @@ class Seat:
         if why:
             for page in self.pages.values():
                 page.latch.disarm()
+
+    def stopped(self) -> None:
+        """The robot shows an emergency stop that it has latched."""
+        self.stopping = False
 
     def holds(self, now_ns: int) -> bool:
         """Whether the driver holds something down."""
@@ -155,7 +161,7 @@ class Seat:
 
     def _do(self, number: int, page: Page, said: Do, now_ns: int) -> None:
         if said.what == "estop":
-            self._estop_ns = now_ns
+            self._estop_ns, self.stopping = now_ns, True
             for each in self.pages.values():
                 each.latch.disarm()
         elif said.what == "take":
@@ -165,7 +171,7 @@ class Seat:
         elif number != self.driver:
             return
         elif said.what == "acknowledge":
-            self._acknowledge, self._estop_ns = True, None
+            self._acknowledge, self._estop_ns, self.stopping = True, None, False
         elif said.what == "release":
             self._free()
         elif said.to in self.pages:

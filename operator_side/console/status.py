@@ -40,6 +40,7 @@ class Situation:
     report_age, state_age: since they came (s).
     driver: name of the page that drives; empty: none does.
     holds: whether it holds something down.
+    stopping: whether an emergency stop was asked for that the robot has not latched yet.
     """
 
     report: ControlReport | None
@@ -48,6 +49,7 @@ class Situation:
     state_age: float
     driver: str = ""
     holds: bool = False
+    stopping: bool = False
 
 
 def reasons(now: Situation) -> list[Reason]:
@@ -85,6 +87,12 @@ def _lost(now: Situation) -> Iterator[Reason]:
 
 def _stopped(now: Situation) -> Iterator[Reason]:
     state = now.state
+    if now.stopping:
+        yield Reason(
+            "e-stop",
+            "Emergency stop asked for; the robot has not confirmed it yet.",
+            "The operator's program sends it until the robot has latched it.",
+        )
     if state is None:
         return
     if state.mode == "estop":
@@ -135,7 +143,7 @@ def _changed(now: Situation) -> Iterator[Reason]:
 
 
 def _waiting(now: Situation) -> Iterator[Reason]:
-    if now.holds or now.state is None:
+    if now.holds or now.state is None or now.stopping:
         return
     if not now.driver:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")

@@ -99,6 +99,7 @@ def desk(shared, request):
     shared.browser.key("KeyW", down=False)
     shared.browser.open("about:blank")
     shared.until(lambda: not shared.console.seat.pages, "no page is left")
+    shared.console.seat.stopped()
     shared.sits_down()
     yield shared
     if PICTURES:
@@ -216,6 +217,26 @@ def test_everything_fits_and_the_stop_is_in_sight(desk, size):
     )
     assert found[:3] == [True, True, True]
     assert found[3] >= 60
+
+
+def test_a_new_page_claims_nothing_that_nobody_measured_or_asked_for(desk):
+    assert desk.browser.text("estop").startswith("E-STOP")
+    assert desk.browser.text("link") == "–"
+    assert "again" not in desk.browser.text("sentence")
+
+
+def test_a_stop_is_asked_for_until_the_robot_shows_it(desk):
+    desk.browser.key("Escape")
+    desk.until(lambda: desk.browser.text("pill").lower() == "e-stop", "the pill says so")
+    assert "not confirmed" in desk.browser.text("sentence")
+    desk.pause.wait(1.5)  # longer than the press itself is shown
+    assert desk.browser.text("estop").startswith("Stopping")
+    desk.operator.state = {"mode": "estop", "reason": "emergency stop by the console"}
+    try:
+        desk.until(lambda: desk.browser.text("estop").startswith("LATCHED"), "it is latched")
+        assert "Latched by the robot" in desk.browser.text("sentence")
+    finally:
+        desk.operator.state = {}
 
 
 def test_nothing_is_loaded_from_outside_and_it_weighs_little(desk):

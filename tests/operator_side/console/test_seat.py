@@ -174,3 +174,14 @@ def test_whatever_happens_only_a_fresh_press_of_the_driver_engages(story):
             assert not pages.seat.locked
             assert not wish.estop
             assert pages.now - spoke <= 150 * MS
+
+
+def test_a_stop_counts_as_asked_for_until_the_robot_shows_it_or_it_is_acknowledged():
+    for ends in (lambda pages: pages.seat.stopped(), lambda pages: pages.does(1, "acknowledge")):
+        pages = driving()
+        assert not pages.seat.stopping
+        pages.does(2, "estop")
+        pages.after(2_000)
+        assert pages.seat.stopping
+        ends(pages)
+        assert not pages.seat.stopping

@@ -35,6 +35,7 @@ def situation(**more):
         (situation(report=report(stop_reason="anna holds control; waiting")), "taken", "anna"),
         (situation(), "ready", "Nobody drives"),
         (situation(driver="page 1"), "ready", "Hold a key"),
+        (situation(driver="page 1", stopping=True), "e-stop", "not confirmed"),
         (situation(driver="page 1", holds=True), "run", "As asked"),
         (situation(driver="page 1", holds=True, report=report(mode="hold", stop_reason=NOT_ENGAGED)), "held", "Let go"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),

@@ -19,8 +19,8 @@ let toldAt = 0;
 let lostSince = performance.now();
 let refused = "";
 let saidAt = 0;
-let estopAt = 0;
-let cameBack = 0;
+let estopAt = -Infinity;
+let cameBack = -Infinity;
 let wasOpen = false;
 
 const wire = new Wire(BUILD, hear, (open, why) => {
@@ -109,7 +109,8 @@ function show(): void {
   const latched = told.state?.mode === "estop";
   const stopped = latched || told.state?.mode === "stopped";
   const button = element("estop");
-  const asking = !latched && performance.now() - estopAt < 3000;
+  // The press itself is shown at once, and for as long as the robot has not confirmed it.
+  const asking = !latched && (told.stopping || performance.now() - estopAt < 500);
   button.classList.toggle("asked", asking);
   button.classList.toggle("latched", latched);
   label("estop", latched ? "LATCHED" : asking ? "Stopping …" : "E-STOP", latched ? "by the robot" : "Esc");

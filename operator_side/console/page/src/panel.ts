@@ -9,7 +9,8 @@ interface Past {
   at: number;
   clearance: number;
   margin: number;
-  trip: number;
+  /** null: none is known. */
+  trip: number | null;
 }
 
 export function element<T extends HTMLElement>(id: string): T {
@@ -70,7 +71,8 @@ export class Panel {
   private link(told: FrameTold): void {
     const { report } = told;
     const lost = told.locked !== "" || told.age === null;
-    const word = lost ? "lost" : (report?.rtt_mean ?? 0) > 0.15 || (report?.loss ?? 0) > 0.05 ? "slow" : "good";
+    const trip = report?.rtt_mean ?? null;
+    const word = lost ? "lost" : !report || trip === null ? "–" : trip > 0.15 || report.loss > 0.05 ? "slow" : "good";
     put("link", word);
     element("link").className = `big word ${word}`;
     const ms = (value: number | null | undefined) => (value == null ? "–" : (value * 1000).toFixed(0));
@@ -80,7 +82,7 @@ export class Panel {
   private remember(told: FrameTold, margin: number): void {
     const now = performance.now();
     if (told.state && told.report && now - (this.past.at(-1)?.at ?? 0) > 100) {
-      this.past.push({ at: now, clearance: told.state.clearance, margin, trip: told.report.rtt_mean ?? 0 });
+      this.past.push({ at: now, clearance: told.state.clearance, margin, trip: told.report.rtt_mean });
       this.past = this.past.filter((each) => now - each.at < HISTORY_MS);
     }
     if (now - this.drawn < 200) return;
@@ -89,12 +91,13 @@ export class Panel {
     const ages = this.past.map((p) => 1 - (now - p.at) / HISTORY_MS);
     const most = Math.max(60, Math.min(300, ...[Math.max(0, ...lines.clearance)]));
     chart("clearances", ages, most, [[lines.margin, css("--slow"), true], [lines.clearance, css("--text"), false]]);
-    const trips = this.past.map((p) => p.trip * 1000);
-    chart("trips", ages, Math.max(50, 1.2 * Math.max(0, ...trips)), [[trips, css("--plan"), false]]);
+    const trips = this.past.map((p) => (p.trip === null ? null : p.trip * 1000));
+    chart("trips", ages, Math.max(50, 1.2 * Math.max(0, ...trips.map((trip) => trip ?? 0))), [[trips, css("--plan"), false]]);
   }
 }
 
-function chart(id: string, xs: number[], most: number, lines: [number[], string, boolean][]): void {
+/** Lines over time; where a value is null nothing is known, and nothing is drawn. */
+function chart(id: string, xs: number[], most: number, lines: [(number | null)[], string, boolean][]): void {
   const canvas = element<HTMLCanvasElement>(id);
   const ratio = devicePixelRatio;
   const { clientWidth: width, clientHeight: height } = canvas;
@@ -107,7 +110,13 @@ function chart(id: string, xs: number[], most: number, lines: [number[], string,
   const y = (value: number) => height - 2 - (Math.max(0, Math.min(most, value)) / most) * (height - 6);
   for (const [values, colour, filled] of lines) {
     pen.beginPath();
-    values.forEach((value, k) => pen.lineTo((xs[k] ?? 0) * (width - 40), y(value)));
+    let drawing = false;
+    values.forEach((value, k) => {
+      const x = (xs[k] ?? 0) * (width - 40);
+      if (value !== null && drawing) pen.lineTo(x, y(value));
+      else if (value !== null) pen.moveTo(x, y(value));
+      drawing = value !== null;
+    });
     pen.strokeStyle = pen.fillStyle = colour;
     pen.lineWidth = 2.5;
     pen.stroke();
@@ -119,7 +128,7 @@ function chart(id: string, xs: number[], most: number, lines: [number[], string,
       pen.globalAlpha = 1;
     }
     const last = values.at(-1);
-    if (last !== undefined) {
+    if (last !== undefined && last !== null) {
       pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
       pen.fillText(last.toFixed(0), width - 34, Math.max(12, Math.min(height - 3, y(last) + 4)));
     }

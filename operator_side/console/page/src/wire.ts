@@ -59,6 +59,8 @@ export interface FrameTold {
   driver_name: string;
   asking: [number, string][];
   holds: boolean;
+  /** An emergency stop was asked for, and the robot has not latched it yet. */
+  stopping: boolean;
   heard: number;
   late: boolean;
 }
