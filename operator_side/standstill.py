@@ -3,6 +3,7 @@
 import math
 from collections import deque
 from dataclasses import dataclass
+from itertools import pairwise
 
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.command import CommandMode
@@ -75,7 +76,7 @@ class Standstill:
         if attempt.now_ns - past[0][0].now_ns < WINDOW_NS:
             return ""
         wanted, sent = self._way("desired"), self._way("sent")
-        made = math.dist(past[0][1], state.position)
+        made = max(math.dist(past[0][1], state.position), self._along())
         if wanted < LEAST_WAY or made >= PROGRESS * wanted:
             self._bound = attempt.binding
             return ""
@@ -84,11 +85,20 @@ class Standstill:
     def _way(self, velocity: str) -> float:
         """Length of the way that a velocity makes over the window (m)."""
         total = [0.0, 0.0, 0.0]
-        for (attempt, _), (after, _) in zip(self._past, list(self._past)[1:], strict=False):
+        for (attempt, _), (after, _) in pairwise(self._past):
             dt = (after.now_ns - attempt.now_ns) * 1e-9
             for k, v in enumerate(getattr(attempt, velocity)):
                 total[k] += v * dt
         return math.hypot(*total)
+
+    def _along(self) -> float:
+        """The way made along what was wanted at each tick (m): a robot that turned back at a target made some."""
+        total = 0.0
+        for (attempt, start), (_, end) in pairwise(self._past):
+            wish = math.hypot(*attempt.desired)
+            if wish > 0.0:
+                total += sum(d * (e - s) for d, s, e in zip(attempt.desired, start, end, strict=True)) / wish
+        return total
 
     def _holder(self, state: RobotState, *, follows: bool) -> str:
         """Who holds it: the robot's own limits, an obstacle, another reason of the filter."""

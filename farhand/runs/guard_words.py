@@ -10,7 +10,9 @@ def guard_words(did: Intervention) -> str:
     """`slowed: forearm 31 mm from post-2, limit 10 mm; 0.30 m/s asked, 0.12 m/s done`."""
     where = f"{did.part} {_mm(did.distance)}"
     where += f" from {did.obstacle}" if did.obstacle else " from the nearest"
-    return f"{did.what}: {where}, limit {_mm(did.limit)}; {did.asked:.2f} m/s asked, {did.done:.2f} m/s done"
+    digits = 2 if f"{did.asked:.2f}" != f"{did.done:.2f}" else 3
+    asked, done = f"{did.asked:.{digits}f} m/s asked", f"{did.done:.{digits}f} m/s done"
+    return f"{did.what}: {where}, limit {_mm(did.limit)}; {asked}, {done}"
 
 
 def guard_summary(counts: RobotCounts, pairs: list[GuardedPair]) -> str:

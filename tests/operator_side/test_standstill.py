@@ -72,3 +72,21 @@ def test_it_begins_anew_after_a_stop():
     assert said[39]
     assert set(said[40:71]) == {""}
     assert said[75]
+
+
+def test_who_turns_back_at_a_target_makes_progress_though_it_is_where_it_was():
+    standstill = Standstill()
+    for k in range(60):
+        back = k >= 30
+        x = 0.15 * 0.1 * (k if not back else 60 - k)
+        wish = (-0.5, 0.0, 0.0) if back else (0.15, 0.0, 0.0)
+        attempt = Attempt(k * TICK_NS, "run", "", wish, wish, "")
+        assert standstill.step(attempt, state(k, position=(x, 0.0, 0.0)), 0) == ""
+
+
+def test_who_goes_to_and_fro_across_what_is_wanted_makes_none():
+    standstill = Standstill()
+    for k in range(60):
+        attempt = Attempt(k * TICK_NS, "run", "", WANT, ZERO, "ball")
+        said = standstill.step(attempt, state(k, position=(0.0, 0.01 * (k % 2), 0.0)), 0)
+    assert said == "obstacle 'ball'"

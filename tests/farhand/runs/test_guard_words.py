@@ -1,5 +1,7 @@
 """What the guard did is said with part, obstacle, distance, limit and both speeds; and so is that it did nothing."""
 
+import msgspec
+
 from farhand.common.messages.intervention import Intervention
 from farhand.robot_side.result import GuardedPair, RobotCounts
 from farhand.runs.guard_words import guard_summary, guard_words
@@ -13,6 +15,11 @@ def test_an_intervention_names_part_obstacle_distance_limit_and_speeds():
     assert guard_words(SLOWED) == (
         "slowed: forearm 31 mm from post-2, limit 10 mm; 0.30 m/s asked, 0.12 m/s done"
     )
+
+
+def test_two_speeds_that_differ_never_read_alike():
+    little = msgspec.structs.replace(SLOWED, done=0.298)
+    assert guard_words(little).endswith("0.300 m/s asked, 0.298 m/s done")
 
 
 def counts(**fields):
