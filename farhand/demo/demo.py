@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 from farhand.common.link.ports import free_ports
+from farhand.common.process.called import called
 from farhand.common.process.console import page
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
@@ -42,7 +43,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
         why = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
         code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left)
     if not as_json and not browser:
-        console.print("to drive it yourself: farhand demo --steer browser", highlight=False)
+        console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
     return 1 if why == INTERRUPTED else code
 
 
@@ -75,7 +76,7 @@ def _run_programs(
         for words in wanted:
             children.start(words.COMMAND, words.words())
         view.note(
-            f"elsewhere: farhand watch --connect {report} --robot {name}; to stop it: farhand estop, likewise"
+            f"elsewhere: {called()} watch --connect {report} --robot {name}; to stop it: estop in place of watch"
         )
         reader = ReportReader(report, run.scenario.robot.kind, clock)
         with view:
