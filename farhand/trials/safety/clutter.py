@@ -12,7 +12,6 @@ import argparse
 import sys
 from collections import deque
 from collections.abc import Sequence
-from concurrent.futures import as_completed
 
 import msgspec
 import numpy as np
@@ -21,8 +20,7 @@ from numpy.random import Generator
 from farhand.common.geometry import Array, Vector3, to_vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.seeds import stream
-from farhand.laboratory.campaigns.jobs import Job, Row, run_job
-from farhand.laboratory.campaigns.pools import LocalPool
+from farhand.laboratory.campaigns.jobs import Job, Row
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import model
 from farhand.robot_side.kernel.distance import capsule_row
@@ -30,6 +28,7 @@ from farhand.robot_side.safety.guard.arm_guard import body_of, placed
 from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, load_scenario, replace_settings
+from farhand.trials.safety.rows import rows_of
 from farhand.trials.safety.scenes import draw_scene
 
 CELL = 0.05
@@ -167,7 +166,7 @@ def main(words: Sequence[str] | None = None) -> int:
         ("with side-steps", True, True),
     ):
         jobs = jobs_for(options.seed, options.tasks, options.network, sidestep=sidestep, guard=guard)
-        low = _tell(name, _run(jobs, options.workers))
+        low = _tell(name, rows_of(jobs, options.workers))
         unsafe += low if guard else 0
     return 1 if unsafe else 0
 
@@ -194,13 +193,6 @@ def _clutter(rng: Generator, count: int, arm: Arm, template: Scenario, home: Arr
         return Reach(arm, [obstacle], template.robot.radius).is_clear(template.start, home)
 
     return list(draw_scene(rng, count=count, place=place, size=(0.03, 0.08), speed=0.0, fits=fits))
-
-
-def _run(jobs: list[Job], workers: int) -> list[Row]:
-    if workers == 0:
-        return [run_job(job) for job in jobs]
-    with LocalPool(workers).open() as executor:
-        return [done.result() for done in as_completed([executor.submit(run_job, job) for job in jobs])]
 
 
 def _tell(name: str, rows: list[Row]) -> int:

@@ -11,7 +11,6 @@ any task came below d_min.
 import argparse
 import sys
 from collections.abc import Sequence
-from concurrent.futures import as_completed
 
 import msgspec
 import numpy as np
@@ -19,12 +18,12 @@ import numpy as np
 from farhand.common.geometry import Vector3, distance
 from farhand.common.messages.scene import Obstacle
 from farhand.common.seeds import stream
-from farhand.laboratory.campaigns.jobs import Job, Row, run_job
-from farhand.laboratory.campaigns.pools import LocalPool
+from farhand.laboratory.campaigns.jobs import Job, Row
 from farhand.laboratory.campaigns.tasks import BOX_RADIUS, box_settings
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings
+from farhand.trials.safety.rows import rows_of
 
 LOW, HIGH = 0.45, 4.5
 COUNT = (10, 20)
@@ -102,7 +101,7 @@ def main(words: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(words)
     low = 0
     for sidestep in (False, True):
-        rows = _run(
+        rows = rows_of(
             jobs_for(options.seed, options.tasks, options.network, sidestep=sidestep), options.workers
         )
         low += _tell("with side-steps" if sidestep else "straight on", rows)
@@ -138,13 +137,6 @@ def _points(draw: np.random.Generator, obstacles: Sequence[Obstacle]) -> list[Ve
 def _point(draw: np.random.Generator) -> Vector3:
     x, z = draw.uniform(LOW, HIGH, 2)
     return (float(x), 0.0, float(z))
-
-
-def _run(jobs: list[Job], workers: int) -> list[Row]:
-    if workers == 0:
-        return [run_job(job) for job in jobs]
-    with LocalPool(workers).open() as executor:
-        return [done.result() for done in as_completed([executor.submit(run_job, job) for job in jobs])]
 
 
 def _tell(what: str, rows: list[Row]) -> int:

@@ -10,18 +10,17 @@ least clearance and how many finished; exit code 1 if any came below.
 import argparse
 import sys
 from collections.abc import Sequence
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 
 import msgspec
 
 from farhand.common.seeds import stream
-from farhand.laboratory.campaigns.jobs import Job, Row, run_job
-from farhand.laboratory.campaigns.pools import LocalPool
+from farhand.laboratory.campaigns.jobs import Job, Row
 from farhand.laboratory.campaigns.statistics import clopper_pearson
 from farhand.laboratory.campaigns.tasks import BoxKind, make_task
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings
+from farhand.trials.safety.rows import rows_of
 
 NETWORKS = ("none", "uniform:50,200")
 ROBOTS: tuple[BoxKind, ...] = ("point", "box")
@@ -72,16 +71,9 @@ def main(words: Sequence[str] | None = None) -> int:
     ranges = Ranges(tuple(options.lag), tuple(options.speed))
     bad = 0
     for network in options.network or NETWORKS:
-        rows = _run(jobs_for(options.seed, options.tasks, network, options.robot, ranges), options.workers)
+        rows = rows_of(jobs_for(options.seed, options.tasks, network, options.robot, ranges), options.workers)
         bad += _tell(network, rows)
     return 1 if bad else 0
-
-
-def _run(jobs: list[Job], workers: int) -> list[Row]:
-    if workers == 0:
-        return [run_job(job) for job in jobs]
-    with LocalPool(workers).open() as executor:
-        return [done.result() for done in as_completed([executor.submit(run_job, job) for job in jobs])]
 
 
 def _tell(network: str, rows: list[Row]) -> int:

@@ -2,7 +2,6 @@
 
 from types import SimpleNamespace
 
-import msgspec
 import pytest
 
 from farhand.common.link.ports import free_ports
@@ -12,9 +11,11 @@ from farhand.operator_side.steering.device import SteeringInput
 from farhand.operator_side.supervision import Supervision
 from farhand.robot_side.safety.settings import SafetySettings
 from farhand.robot_side.safety.watchdog import Watchdog
-from farhand.site.acknowledge import AcknowledgeServer, Clearing, acknowledge, why_not
+from farhand.site.acknowledge import AcknowledgeServer, acknowledge
+from farhand.site.clearing import Clearing, why_not
 from farhand.site.estop import emergency_stop
 from farhand.testing import Programs, Witness, short_task, state
+from tests.farhand.site.fakes import Asked, Direct, Silent
 
 FAR = [(50.0, 0.0, 0.5)]
 DRIVE = SteeringInput((0.1, 0.0, 0.0), engaged=True)
@@ -73,16 +74,6 @@ def test_it_never_engages_a_device():
     assert ours.step(state(3, mode="hold"), "", SteeringInput(), 0).reason == "device not engaged"
 
 
-class Asked:
-    """A request and its answer."""
-
-    payload = b"{}"
-    answer = None
-
-    def reply(self, answer):
-        self.answer = msgspec.json.decode(answer)
-
-
 class Node:
     """An operator's node as far as it matters here."""
 
@@ -93,16 +84,6 @@ class Node:
 
     def acknowledge(self):
         self.clearing = True
-
-
-class Direct:
-    def do(self, change):
-        return change(0)
-
-
-class Silent:
-    def declare_queryable(self, key, take):
-        return None
 
 
 @pytest.fixture

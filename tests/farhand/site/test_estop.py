@@ -2,15 +2,16 @@
 
 from types import SimpleNamespace
 
-import msgspec
 import pytest
 
 from farhand.common.errors import InputError
 from farhand.common.link.ports import free_ports
 from farhand.operator_side.steering.device import SteeringInput
 from farhand.operator_side.supervision import Supervision
-from farhand.site.estop import EstopServer, check_rights, emergency_stop
+from farhand.site.estop import EstopServer, emergency_stop
+from farhand.site.reach import check_rights
 from farhand.testing import Programs, Witness, short_task, state
+from tests.farhand.site.fakes import Asked, Direct, Silent
 
 FAR = [(50.0, 0.0, 0.5)]
 DRIVE = SteeringInput((0.1, 0.0, 0.0), engaged=True)
@@ -49,31 +50,11 @@ def test_it_is_sent_until_the_robot_has_latched_it_then_only_an_acknowledgement_
     assert supervision.step(state(3, mode="estop"), "", ACKNOWLEDGE, 0).mode == "acknowledge"
 
 
-class Asked:
-    """A request and its answer."""
-
-    payload = b"{}"
-    answer = None
-
-    def reply(self, answer):
-        self.answer = msgspec.json.decode(answer)
-
-
 class Stopping:
     stopping = False
 
     def emergency_stop(self):
         self.stopping = True
-
-
-class Direct:
-    def do(self, change):
-        return change(0)
-
-
-class Silent:
-    def declare_queryable(self, key, take):
-        return None
 
 
 def test_the_operators_program_answers_once_the_robot_confirms_and_refuses_after_a_while():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from farhand.laboratory.campaigns.jobs import Row
-from farhand.trials.safety import clutter
+from farhand.trials.safety import clutter, rows
 from farhand.trials.safety.clutter import Arm, Reach, cell_of, centre_of, cluttered_task, main
 
 
@@ -38,7 +38,7 @@ def test_a_run_that_is_not_safe_counts_only_where_there_is_a_guard(monkeypatch, 
             key=job.key, labels=job.labels, seed=0, finished=True, safe=guarded is not bad, duration=9.0
         )
 
-    monkeypatch.setattr(clutter, "run_job", run)
+    monkeypatch.setattr(rows, "run_job", run)
     monkeypatch.setattr(clutter, "cluttered_task", lambda seed, index: task)
     bad = False
     assert main(["--tasks", "2", "--workers", "0"]) == 0

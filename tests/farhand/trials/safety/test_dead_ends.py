@@ -1,7 +1,7 @@
 """The trial of dense fields: what it draws, and what it says of it."""
 
 from farhand.laboratory.campaigns.jobs import Row
-from farhand.trials.safety import dead_ends
+from farhand.trials.safety import rows
 from farhand.trials.safety.dead_ends import connected, dense_task, jobs_for, main
 
 
@@ -33,7 +33,7 @@ def test_both_ways_of_driving_are_told_and_what_came_too_near_counts(monkeypatch
             key=job.key, labels=job.labels, seed=0, finished=stepped, safe=True, min_clearance=0.02, duration=30.0
         )  # fmt: skip
 
-    monkeypatch.setattr(dead_ends, "run_job", run)
+    monkeypatch.setattr(rows, "run_job", run)
     assert main(["--tasks", "2", "--workers", "0"]) == 0
     straight, stepping = capsys.readouterr().out.splitlines()
     assert straight.startswith("straight on: 0 of 2 finished")

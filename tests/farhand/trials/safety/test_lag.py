@@ -3,7 +3,7 @@
 import pytest
 
 from farhand.laboratory.campaigns.jobs import Row
-from farhand.trials.safety import lag
+from farhand.trials.safety import lag, rows
 from farhand.trials.safety.lag import Ranges, draw_task, jobs_for, main
 
 
@@ -40,12 +40,12 @@ def test_a_task_below_d_min_or_crashed_is_told_and_counts(monkeypatch, capsys):
             error=error,
         )
 
-    monkeypatch.setattr(lag, "run_job", run)
+    monkeypatch.setattr(rows, "run_job", run)
     assert main(["--tasks", "4", "--network", "none", "--workers", "0"]) == 1
     first, *rest = capsys.readouterr().out.splitlines()
     assert first.startswith("none: 2 of 4 below d_min (6.76 to 93.24 %), least -3.0 mm, 4 finished")
     assert [line.split(":")[0].strip() for line in rest] == ["task 1", "task 2"]
-    monkeypatch.setattr(lag, "run_job", lambda job: Row(key=job.key, labels=job.labels, seed=0, safe=True))
+    monkeypatch.setattr(rows, "run_job", lambda job: Row(key=job.key, labels=job.labels, seed=0, safe=True))
     assert main(["--tasks", "2", "--network", "none", "--workers", "0"]) == 0
 
 
