@@ -3,6 +3,7 @@
 Data flow of a tick at `now_ns`:
 
     link -> command intake (decode, count) -> watchdog (lease, age, order, timeouts, plan play-out)
+         -> guard, on the true state (of a robot that is a sphere here, of an arm within its control)
          -> robot (velocity control, physics) over [now, now + dt]
     link <- RobotState at the state rate, Scene and RobotDescription once a second and on change
 

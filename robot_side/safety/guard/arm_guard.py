@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from farhand.common.geometry import Array, norm, to_vector3
 from farhand.common.messages.intervention import Intervention, deed
 from farhand.robot_side.arm.model import ArmModel
+from farhand.robot_side.kernel import body as moving
 from farhand.robot_side.kernel import guard as kernel
 from farhand.robot_side.kernel.chain import pack
 from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY, capsule_capsule
 from farhand.robot_side.kernel.qp import SOLVED
+from farhand.robot_side.kernel.stopping import together
 from farhand.robot_side.kernel.velocity import MAX_ACCELERATION, YIELDED
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.surroundings import Surroundings
@@ -83,8 +85,8 @@ def placed(body: Body, q: Array) -> tuple[Array, Array]:
     n = len(q)
     R, p = np.empty((n, 3, 3)), np.empty((n, 3))
     A, B = np.empty((len(body.capsules), 3)), np.empty((len(body.capsules), 3))
-    kernel.frames(body.chain, q, R, p)
-    kernel.place_capsules(R, p, body.capsules, A, B)
+    moving.frames(body.chain, q, R, p)
+    moving.place_capsules(R, p, body.capsules, A, B)
     return A, B
 
 
@@ -118,14 +120,14 @@ class ArmGuard:
     """
 
     def __init__(self, arm: ArmModel, settings: GuardSettings, lag: float, dt: float) -> None:
-        par = np.zeros(kernel.PARAMETERS)
-        par[kernel.KEEP] = settings.d_min + SPARE_OF_ROWS
-        par[kernel.CHECK] = settings.d_min + SPARE_OF_CHECK
-        par[kernel.DT], par[kernel.REACTION] = dt, dt + LAG_DOUBT * lag
-        par[kernel.GAIN], par[kernel.BRAKING] = GAIN, BRAKING
-        par[kernel.ROW_SHARE], par[kernel.STOP_SHARE] = ROW_SHARE, STOP_SHARE
-        par[kernel.PUSH], par[kernel.ANSWER] = PUSH, ANSWER
-        self.body = body_of(arm, par[kernel.KEEP])
+        par = np.zeros(moving.PARAMETERS)
+        par[moving.KEEP] = settings.d_min + SPARE_OF_ROWS
+        par[moving.CHECK] = settings.d_min + SPARE_OF_CHECK
+        par[moving.DT], par[moving.REACTION] = dt, dt + LAG_DOUBT * lag
+        par[moving.GAIN], par[moving.BRAKING] = GAIN, BRAKING
+        par[moving.ROW_SHARE], par[moving.STOP_SHARE] = ROW_SHARE, STOP_SHARE
+        par[moving.PUSH], par[moving.ANSWER] = PUSH, ANSWER
+        self.body = body_of(arm, par[moving.KEEP])
         self._par = par
         self._limits = np.array([arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration])
         self._home = np.ascontiguousarray(arm.home, dtype=float)
@@ -190,12 +192,12 @@ class ArmGuard:
     def halt(self, previous: Array) -> Array:
         """Joint velocities with which the joints brake together, on the way that was checked (n,), rad/s."""
         par, limits = self._par, self._limits
-        most = limits[MAX_ACCELERATION] * par[kernel.DT]
-        kernel.together(
+        most = limits[MAX_ACCELERATION] * par[moving.DT]
+        together(
             previous,
             limits[MAX_ACCELERATION],
             1.0,
-            par[kernel.DT],
+            par[moving.DT],
             previous - most,
             previous + most,
             self._qd,
@@ -218,7 +220,7 @@ class ArmGuard:
             part=parts[int(report[kernel.PART])],
             obstacle=name,
             distance=float(report[kernel.DISTANCE]),
-            limit=float(self._par[kernel.KEEP]),
+            limit=float(self._par[moving.KEEP]),
             asked=norm(asked),
             done=norm(done),
             what=said,

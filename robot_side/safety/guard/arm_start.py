@@ -5,7 +5,7 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel.distance import capsule_row
-from farhand.robot_side.kernel.guard import SHORT_LEVER
+from farhand.robot_side.kernel.rows import SHORT_LEVER
 from farhand.robot_side.safety.guard.arm_guard import body_of, placed, self_gaps
 from farhand.robot_side.safety.guard.start import Start, refusal
 from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
