@@ -24,6 +24,7 @@ from farhand.programs.command_line import (
     DEFAULT_SCENARIO,
     NetemWords,
     OperatorWords,
+    RecordWords,
     RobotWords,
     Secured,
     SummariseWords,
@@ -47,6 +48,8 @@ DIED = "the {}'s container has died"
 FAILED = Path("/tmp/failed")
 """Tells healthy.sh of this container that the program has ended by itself: nobody need wait for its health."""
 OPERATOR_PORT, ROBOT_PORT = 7447, 7448
+REPORT = "tcp/127.0.0.1:7446"
+"""Inside the operator's container, where its recorder comes for what happened."""
 
 
 def setting(environment: Mapping[str, str], name: str) -> str:
@@ -108,9 +111,14 @@ def program_arguments(role: str, folder: Path, environment: Mapping[str, str]) -
         **choice(environment),
         connect=(operator_side,),
         time_limit=setting(environment, "TIME_LIMIT"),
-        record=str(folder / RECORDING),
+        report=REPORT,
         result=str(folder / OPERATOR),
     ).words()
+
+
+def record_arguments(folder: Path) -> list[str]:
+    """The command line of the recorder beside the operator's program, after `farhand`."""
+    return RecordWords(connect=REPORT, out=str(folder / RECORDING)).words()
 
 
 def summarise_arguments(folder: Path, environment: Mapping[str, str], why: str) -> list[str]:
@@ -190,12 +198,15 @@ class Part:
             self.wait_until(lambda: self.exists(ENDED), SUMMARY_PATIENCE)
             return 1
         program = self.start(program_arguments(self.role, self.folder, self.environment))
+        recorder = self.start(record_arguments(self.folder)) if self.role == "operator" else None
         silent = ""
         while program.poll() is None and not self.exists(DRIVEN) and not self.told.wait(LOOK_EVERY):
             if silent := peers.look():
                 self.mark(DRIVEN, DIED.format(silent))
         own_end = program.poll() is not None
         code = self.end(program)
+        if recorder is not None:
+            self.end(recorder)
         if self.role == "operator":
             why = "" if own_end and code in (0, 1) else self.why(code)
             self.mark(DRIVEN, why)

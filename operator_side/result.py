@@ -64,7 +64,6 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="progr
         guarding: (from, to) of times in which the guard on the robot acted, as the operator was told; s since the first
             motion command; the first thousand.
         last_report: the newest report.
-        recording_trouble: what its recording lacks, in words; empty: nothing, or none was asked for.
     """
 
     version: int = 1
@@ -77,7 +76,6 @@ class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="progr
     silences: list[Span] = msgspec.field(default_factory=list)
     guarding: list[Span] = msgspec.field(default_factory=list)
     last_report: ControlReport | None = None
-    recording_trouble: str = ""
 
 
 class Tally:

@@ -1,6 +1,7 @@
 """Requests to a running program: a Zenoh queryable on an endpoint that only this host can reach.
 
-Requests are JSON, replies are JSON too: `{"ok": true, ...}` or `{"ok": false, "error": "..."}`.
+Requests are JSON, replies are JSON too: `{"ok": true, ...}` or `{"ok": false, "error": "..."}`; where a great deal is
+asked for, they are MessagePack.
 """
 
 import queue
@@ -32,10 +33,10 @@ class Request:
         self._key, self._query = key, query
         self.payload = query.payload.to_bytes() if query.payload is not None else b""
 
-    def reply(self, answer: bytes) -> None:
+    def reply(self, answer: bytes, encoding: zenoh.Encoding = zenoh.Encoding.APPLICATION_JSON) -> None:
         """Answer it, and be done with it."""
         try:
-            self._query.reply(self._key, answer, encoding=zenoh.Encoding.APPLICATION_JSON)
+            self._query.reply(self._key, answer, encoding=encoding)
         except zenoh.ZError:
             pass  # whoever asked is gone
         finally:

@@ -72,6 +72,11 @@ def acknowledge_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/acknowledge"
 
 
+def ticks_key(robot: str) -> str:
+    """Queryable of an operator's program, on its own host: its newest ticks, for a recorder."""
+    return f"{PREFIX}/{robot}/ticks"
+
+
 def alive_key(robot: str, role: str) -> str:
     """Liveliness token of a program: role is operator, robot or netem (whose robot is `netem`)."""
     return f"{PREFIX}/{robot}/alive/{role}"

@@ -1,17 +1,20 @@
-"""Reads recorded runs, also those that were cut off or tell of gaps."""
+"""Reads recorded runs, also those that were cut off, damaged, or tell of gaps."""
 
-import io
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import msgspec
-from mcap.records import Message as McapMessage
-from mcap.records import Metadata
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader, breakup_chunk
 
 from farhand.common.errors import RunFileError
-from farhand.common.recording.records import FORMAT, GAP, RUN, Gap, RunInfo, TickRecord
+from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, unsealed
+
+LARGEST_RECORD = 1 << 28
+DAMAGED = "a damaged part of the file was left out"
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class RecordedRun:
     Attributes:
         info: see RunInfo.
         ticks: in order, those that are there.
-        gaps: where ticks are missing, as the recorder noted.
+        gaps: where ticks are missing, as the recorder noted or the numbers tell.
         cut_off: the file ends early; `ticks` then holds all before the cut.
         size: bytes of the file.
     """
@@ -35,16 +38,18 @@ class RecordedRun:
     @property
     def complete(self) -> bool:
         """Whether every tick of the run is there."""
-        return not self.cut_off and not self.gaps
+        return not self.cut_off and not self.gaps and not self.info.first_tick
 
     @property
     def missing(self) -> int:
         """Ticks that are missing for certain; after a cut nobody knows of how many more."""
-        return sum(gap.ticks for gap in self.gaps)
+        return self.info.first_tick + sum(gap.ticks for gap in self.gaps)
 
     @property
     def whole_ticks(self) -> int:
-        """How many ticks from the start on follow on each other without a gap."""
+        """How many ticks from the run's start on follow on each other without a gap."""
+        if self.info.first_tick:
+            return 0
         return self.gaps[0].before if self.gaps else len(self.ticks)
 
     def flaws(self) -> list[str]:
@@ -53,6 +58,8 @@ class RecordedRun:
             f"{gap.ticks} ticks are missing after tick {gap.before}{self._since_start(gap)}: {gap.why}"
             for gap in self.gaps
         ]
+        if self.info.first_tick:
+            lines.insert(0, f"recording began with tick {self.info.first_tick} of the run")
         return lines
 
     def _since_start(self, gap: Gap) -> str:
@@ -62,35 +69,152 @@ class RecordedRun:
         return f", {max(0.0, seconds):.1f} s after the start"
 
 
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A message of any topic.
+
+    Attributes:
+        topic: its topic.
+        log_ns: its time: the time of day, or virtual time (ns).
+        data: its bytes.
+    """
+
+    topic: str
+    log_ns: int
+    data: bytes
+
+
+class RunReader:
+    """Reads a recording from its start to its end, or to where it is cut off, a chunk at a time.
+
+    Args:
+        path: the file.
+
+    Attributes:
+        info: see RunInfo; known once `items` was asked for the first thing.
+        cut_off: the file ends early; known at the end.
+        damaged: parts that cannot be read and were left out, so far.
+        size: bytes of the file.
+
+    Raises:
+        RunFileError: it cannot be read, or is no recording of this format.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.cut_off = False
+        self.damaged = 0
+        try:
+            self._file: BinaryIO = path.open("rb")
+            self.size = self._file.seek(0, os.SEEK_END)
+            self._file.seek(0)
+        except OSError as error:
+            raise RunFileError(f"run {path}: cannot be read: {error.strerror}") from None
+        self._topics: dict[int, str] = {}
+        self._records = StreamReader(self._file, emit_chunks=True, record_size_limit=LARGEST_RECORD).records
+        self.info = self._find_info()
+
+    def items(self, topics: Callable[[str], bool] = lambda _: True) -> Iterator[Entry | Gap]:
+        """Messages of the topics that are wanted, and gaps, in the order of the file."""
+        with self._file:
+            for record in self._sound():
+                if isinstance(record, Chunk):
+                    yield from self._messages(record, topics)
+                elif isinstance(record, Metadata) and record.name == GAP:
+                    gap = _gap(record.metadata)
+                    if gap is not None:  # else its ticks' numbers are missing all the same
+                        yield gap
+
+    def close(self) -> None:
+        """Read no more."""
+        self._file.close()
+
+    def _find_info(self) -> RunInfo:
+        why = "it is empty" if not self.size else "it holds no description of a run"
+        try:
+            for record in self._records:
+                if isinstance(record, Channel):
+                    self._topics[record.id] = record.topic
+                if isinstance(record, Metadata) and record.name == RUN:
+                    return _run_info(record.metadata, self._path)
+                if not isinstance(record, (Channel, Schema)) and isinstance(record, (Chunk, Message)):
+                    break
+        except RunFileError:
+            self._file.close()
+            raise
+        except Exception as error:  # on a cut the reader raises its own, struct.error, EOFError and others
+            why = str(error) or why
+        self._file.close()
+        raise RunFileError(f"run {self._path}: not a recording of Farhand: {why}")
+
+    def _sound(self) -> Iterator[McapRecord]:
+        """Records, until the end or the cut."""
+        try:
+            yield from self._records
+        except Exception:
+            self.cut_off = True
+
+    def _messages(self, chunk: Chunk, topics: Callable[[str], bool]) -> Iterator[Entry]:
+        try:
+            records = breakup_chunk(chunk, validate_crc=True)
+        except Exception:  # of the decompression, the checksum, or what the bytes then say
+            self.damaged += 1
+            return
+        for record in records:
+            if isinstance(record, Message):
+                topic = self._topics.get(record.channel_id, "")
+                if topics(topic):
+                    yield Entry(topic, record.log_time, record.data)
+
+
 def read_run(path: Path) -> RecordedRun:
-    """Read a recording, also one that was cut off; raises RunFileError if nothing of it is usable."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise RunFileError(f"run {path}: cannot be read: {error.strerror}") from None
-    info: RunInfo | None = None
+    """Read a recording's ticks, also of one that was cut off; raises RunFileError if nothing of it is usable."""
+    reader = RunReader(path)
     ticks: list[TickRecord] = []
     gaps: list[Gap] = []
-    decode: Callable[[bytes], TickRecord] = msgspec.msgpack.Decoder(TickRecord).decode
-    cut_off = False
+    decode = msgspec.msgpack.Decoder(TickRecord).decode
+    expected = reader.info.first_tick
+    for item in reader.items(lambda topic: topic == TICK):
+        if isinstance(item, Gap):
+            gaps.append(msgspec.structs.replace(item, before=len(ticks)))
+            expected += item.ticks
+            continue
+        try:
+            tick = decode(item.data)
+        except msgspec.MsgspecError:
+            continue  # its number is missing, which is told of
+        if tick.number > expected:
+            before_ns = ticks[-1].now_ns if ticks else tick.now_ns
+            gaps.append(
+                Gap(
+                    ticks=tick.number - expected,
+                    first_ns=before_ns,
+                    last_ns=tick.now_ns,
+                    why=DAMAGED,
+                    before=len(ticks),
+                )
+            )
+        expected = tick.number + 1
+        ticks.append(tick)
+    return RecordedRun(reader.info, ticks, tuple(gaps), reader.cut_off, reader.size)
+
+
+def _gap(metadata: dict[str, str]) -> Gap | None:
     try:
-        for record in StreamReader(io.BytesIO(data)).records:
-            if isinstance(record, McapMessage):
-                ticks.append(decode(record.data))
-            elif isinstance(record, Metadata) and record.name == RUN:
-                info = msgspec.json.decode(record.metadata["info"], type=RunInfo)
-            elif isinstance(record, Metadata) and record.name == GAP:
-                gap = msgspec.json.decode(record.metadata["info"], type=Gap)
-                gaps.append(msgspec.structs.replace(gap, before=len(ticks)))
-    except Exception as error:  # on a cut the reader raises its own, struct.error, EOFError and others
-        cut_off = True
-        if info is None:
-            what = str(error) or "it is empty"
-            raise RunFileError(f"run {path}: not a recording of Farhand: {what}") from None
-    if info is None:
-        raise RunFileError(f"run {path}: holds no description of a run; expected {FORMAT}")
-    if info.format != FORMAT:
-        raise RunFileError(
-            f"run {path}: has format {info.format!r}; this program reads {FORMAT}: it was recorded by another version"
-        )
-    return RecordedRun(info, ticks, tuple(gaps), cut_off, len(data))
+        return msgspec.json.decode(unsealed(metadata), type=Gap)
+    except ValueError:  # msgspec's are of this kind
+        return None
+
+
+def _run_info(metadata: dict[str, str], path: Path) -> RunInfo:
+    """Raises RunFileError where it is of another format, or damaged."""
+    try:
+        found = msgspec.json.decode(unsealed(metadata))
+        form = found.get("format") if isinstance(found, dict) else None
+        if form != FORMAT:
+            raise RunFileError(
+                f"run {path}: has format {form!r}; this program reads {FORMAT}: it was recorded by another version"
+            )
+        return msgspec.convert(found, RunInfo)
+    except ValueError as error:  # msgspec's are of this kind
+        raise RunFileError(f"run {path}: its description cannot be read: {error}") from None

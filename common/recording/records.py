@@ -1,18 +1,38 @@
 """What a recording holds.
 
-Topic `tick` holds one MessagePack map per control tick; metadata `run` holds what is needed to run it again, and
-metadata `gap` stands before the tick that follows on ticks that could not be written.
+Topic `tick` holds one MessagePack map per control tick, with all bytes that the operator's side got and sent: enough to
+decide everything again. What the messages in it say stands beside it as JSON, and as other programs' views of it.
+Metadata `run` holds what is needed to run it again, metadata `gap` stands before the tick that follows on ticks that
+are not there.
 """
+
+import zlib
+from typing import Literal
 
 import msgspec
 
-FORMAT = "farhand-run-2"  # 1 held messages of schema 3, whose obstacles were spheres only
-TOPIC = "tick"
+FORMAT = "farhand-run-3"
+"""2 had one topic and no time of day; 1 held messages of schema 3, whose obstacles were spheres only."""
+TICK = "/farhand/tick"
 RUN, GAP = "run", "gap"
 
 
+def sealed(info: msgspec.Struct) -> dict[str, str]:
+    """A struct as metadata, with a checksum: MCAP has none for it."""
+    text = msgspec.json.encode(info).decode()
+    return {"info": text, "crc32": f"{zlib.crc32(text.encode()):08x}"}
+
+
+def unsealed(metadata: dict[str, str]) -> str:
+    """The JSON text of it; raises ValueError where it is not what was written."""
+    text = metadata.get("info", "")
+    if metadata.get("crc32") not in (None, f"{zlib.crc32(text.encode()):08x}"):
+        raise ValueError("its checksum is another one")
+    return text
+
+
 class RunInfo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is needed to run the same again.
+    """What is needed to run the same again, and to know what it was.
 
     Attributes:
         scenario: as TOML-like nested tables.
@@ -22,6 +42,11 @@ class RunInfo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         versions: of the programs and libraries.
         solver: the solver that was really used.
         operator: the operator's name.
+        clock: `virtual`, or `real`.
+        epoch_ns: what must be added to a stamp of the operator's clock for the time of day (ns since 1970, of the
+            operator's host); 0 in virtual time.
+        git: of the source that ran, as `git describe` says; empty: not from a repository.
+        first_tick: number of the first tick in the file; more than 0 where recording began later.
     """
 
     format: str = FORMAT
@@ -32,18 +57,24 @@ class RunInfo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     versions: dict[str, str]
     solver: str = ""
     operator: str = "operator"
+    clock: Literal["virtual", "real"] = "virtual"
+    epoch_ns: int = 0
+    git: str = ""
+    first_tick: int = 0
 
 
 class TickRecord(msgspec.Struct, frozen=True, array_like=True):
     """One tick.
 
     Attributes:
+        number: counts the ticks from 0.
         now_ns: its beginning, operator's clock.
         packets: (key, arrived_ns, payload) of all that had arrived.
         command: the bytes sent, None if nothing was.
         report: the encoded ControlReport.
     """
 
+    number: int
     now_ns: int
     packets: tuple[tuple[str, int, bytes], ...]
     command: bytes | None

@@ -21,6 +21,10 @@ class SystemClock:
         """Current instant in ns."""
         return time.monotonic_ns() + self._offset_ns
 
+    def epoch_ns(self) -> int:
+        """What must be added to an instant for the time of day (ns since 1970, UTC); never used for control."""
+        return time.time_ns() - self.now_ns()
+
     def sleep_until(self, deadline_ns: int) -> None:
         """Block until `deadline_ns` (absolute, ns); returns at once when it has passed."""
         remaining = deadline_ns - self.now_ns()

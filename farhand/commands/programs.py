@@ -38,7 +38,10 @@ def operator(
     steer: SteerOption = None,
     settings: SetOption = None,
     report: Annotated[
-        str, typer.Option(help="Publish a report of every tick on this local endpoint, for `farhand watch`.")
+        str,
+        typer.Option(
+            help="Publish every tick on this local endpoint, for `farhand watch`, `console` and `record`."
+        ),
     ] = "",
     seed: Annotated[int, typer.Option(min=0, help="Seed of the run, noted in its recording.")] = 0,
     time_limit: Annotated[
@@ -49,9 +52,6 @@ def operator(
             help="Give up this long after the first motion (after the start, until there is one), s; waiting "
             "for control that another operator holds does not count.",
         ),
-    ] = None,
-    record: Annotated[
-        Path | None, typer.Option(help="Record what arrives and what is decided, for `farhand replay`.")
     ] = None,
     result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
     realtime: RealtimeOption = True,
@@ -75,7 +75,6 @@ def operator(
     chosen = chosen_scenario(
         scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
-    check_writable(record, "--record")
     check_writable(result, "--result")
     options = OperatorOptions(
         robot=robot,
@@ -83,7 +82,6 @@ def operator(
         seed=seed,
         time_limit=time_limit,
         report=report,
-        record=record,
         result=result,
         realtime=realtime,
     )
@@ -233,6 +231,21 @@ def watch(
     raise typer.Exit(watch_operator(connect, robot))
 
 
+def record(
+    connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+    out: Annotated[Path | None, typer.Option(help="File to write (default: runs/TIME-ROBOT.mcap).")] = None,
+) -> None:
+    """Record a running operator: what arrived, what it decided and why, as an MCAP file that opens in Foxglove.
+
+    A program of its own, so that no disk disturbs control. It ends with the operator's program, or on Ctrl-C. What was
+    before it came is there as well, some minutes back. Exit code 1: something is missing, and is said.
+    """
+    from farhand.programs.recorder import RecorderOptions, recorder_program
+
+    raise typer.Exit(recorder_program(RecorderOptions(robot=robot, connect=connect, out=out)))
+
+
 def console(
     connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
     listen: Annotated[
@@ -270,5 +283,17 @@ def tap(
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (operator, robot, handover, estop, acknowledge, robots, doctor, watch, console, tap):
+    for command in (
+        operator,
+        robot,
+        handover,
+        estop,
+        acknowledge,
+        robots,
+        doctor,
+        watch,
+        record,
+        console,
+        tap,
+    ):
         app.command()(command)

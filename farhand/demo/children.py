@@ -4,7 +4,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from farhand.common.process.signals import PARENT_VARIABLE
@@ -37,9 +37,10 @@ class Children:
                 env=environment,
             )
 
-    def ended(self) -> dict[str, int]:
-        """Exit codes of those that have ended."""
-        return {name: p.returncode for name, p in self.running.items() if p.poll() is not None}
+    def ended(self, *, beside: Collection[str] = ()) -> dict[str, int]:
+        """Exit codes of those that have ended, but for some that others do without."""
+        found = {name: p.returncode for name, p in self.running.items() if p.poll() is not None}
+        return {name: code for name, code in found.items() if name not in beside}
 
     def wait_all(self, timeout: float) -> bool:
         """Whether all have ended within `timeout` s."""

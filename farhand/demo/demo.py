@@ -13,7 +13,14 @@ from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
-from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords, Words
+from farhand.programs.command_line import (
+    ConsoleWords,
+    NetemWords,
+    OperatorWords,
+    RecordWords,
+    RobotWords,
+    Words,
+)
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.runs.conclude import conclude
@@ -23,7 +30,8 @@ from farhand.runs.run_folder import make_run_folder, write_scenario
 from farhand.runs.why import INTERRUPTED
 
 MEMORY = "/dev/shm"
-NAMES = ("netem", "robot", "operator", "console")
+RECORD = RecordWords.COMMAND
+NAMES = ("netem", "robot", "operator", "console", RECORD)
 
 
 def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, browser: bool = False) -> int:
@@ -40,8 +48,8 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
     with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
         left = Path(left_in)
-        why = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
-        code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left)
+        why, note = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
+        code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left, note=note)
     if not as_json and not browser:
         console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
     return 1 if why == INTERRUPTED else code
@@ -59,8 +67,11 @@ def _memory() -> str | None:
 
 def _run_programs(
     run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView, *, browser: bool
-) -> str:
-    """Start the three, and a console if a browser steers, show their progress, end them; returns what went wrong."""
+) -> tuple[str, str]:
+    """Start the three, a recorder, and a console if a browser steers, show their progress, end them.
+
+    Returns what went wrong, and what the recording lacks.
+    """
     clock = SystemClock()
     *ports, page = free_ports(4)
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in ports)
@@ -69,6 +80,7 @@ def _run_programs(
     try:
         name = run.scenario.robot.kind
         wanted = _words(run, folder, left, operator_side, robot_side, report)
+        wanted.append(RecordWords(out=str(folder / RECORDING), connect=report, robot=name))
         if browser:
             listen = f"127.0.0.1:{page}"
             wanted.append(ConsoleWords(connect=report, listen=listen, robot=name, opens=has_desktop()))
@@ -81,7 +93,7 @@ def _run_programs(
         reader = ReportReader(report, run.scenario.robot.kind, clock)
         with view:
             while True:
-                ended = children.ended()
+                ended = children.ended(beside=(RECORD,))
                 view.update(reader.read(), clock.now_ns(), reader.connected())
                 if ended or stop_event.wait(0.1):
                     break
@@ -89,9 +101,9 @@ def _run_programs(
         if reader is not None:
             reader.close()
         children.stop()
-    if stop_event.is_set():
-        return INTERRUPTED
-    return _what_died(ended, children)
+    recorded = children.ended().get(RECORD)
+    lacking = _what_died({RECORD: recorded}, children) if recorded is not None else ""
+    return INTERRUPTED if stop_event.is_set() else _what_died(ended, children), lacking
 
 
 def _words(
@@ -118,7 +130,6 @@ def _words(
             report=report,
             seed=run.seed,
             time_limit=None if run.scenario.steering.kind == "remote" else run.time_limit,
-            record=str(folder / RECORDING),
             result=str(left / OPERATOR),
         ),
     ]
@@ -128,7 +139,7 @@ def _what_died(ended: dict[str, int], children: Children) -> str:
     """Why the run is no good, if a program ended that should not have."""
     for name in NAMES:
         code = ended.get(name)
-        if code is None or (name == "operator" and code in (0, 1)):
+        if code is None or (name == "operator" and code in (0, 1)) or (name == RECORD and code == 0):
             continue
         how = f"killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
         words = children.last_words(name)

@@ -19,6 +19,7 @@ from farhand.common.recording.records import RunInfo
 from farhand.common.recording.writer import RunRecorder
 from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
+from farhand.foxglove.view import views_of
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.measure.result import NetemResult
 from farhand.operator_side.control.controller import Controller
@@ -32,6 +33,7 @@ from farhand.programs.wiring import (
     make_operator,
     make_robot_node,
     session_of,
+    source_state,
     versions,
 )
 from farhand.robot_side.robot_node import RobotNode
@@ -207,7 +209,9 @@ class _World:
         recorder = self._operator.recorder
         if not isinstance(recorder, RunRecorder):
             return ""
-        return recorder.troubles().get("recording", recorder.trouble)
+        if recorder.missing:
+            return f"{recorder.missing} ticks are missing: {recorder.trouble}"
+        return recorder.trouble
 
     def _make_robot(self, link: MemoryLink, robot: Robot | None, closing: ExitStack) -> RobotNode:
         scenario = self._run.scenario
@@ -297,8 +301,9 @@ def _recorder(path: Path | None, run: Run, session: int) -> RunRecorder | None:
         seed=run.seed,
         versions=versions(),
         solver=run.scenario.controller.solver,
+        git=source_state(),
     )
-    return RunRecorder(path, info, waits=True)
+    return RunRecorder(path, info, views_of(info))
 
 
 def _hash_traffic(end: MemoryLink, update: Callable[[bytes], None]) -> None:

@@ -122,8 +122,18 @@ class OperatorWords(ControlChoice, Secured):
     router: bool = False
     report: str = ""
     time_limit: float | str | None = None
-    record: str = ""
     result: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordWords(Words):
+    """`farhand record`."""
+
+    COMMAND: ClassVar[str] = "record"
+
+    out: str = ""
+    connect: str = ""
+    robot: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

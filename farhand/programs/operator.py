@@ -27,7 +27,6 @@ from farhand.common.process.security import Access, guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.recording.records import RunInfo
-from farhand.common.recording.writer import RunRecorder
 from farhand.common.result_file import write_result
 from farhand.common.timing.clock import SystemClock, processor_seconds
 from farhand.common.timing.slot import Slot
@@ -41,16 +40,18 @@ from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_o
 from farhand.operator_side.steering.device import SteeringDevice
 from farhand.operator_side.steering.registry import make_device
 from farhand.operator_side.steering.remote import Remote
+from farhand.operator_side.tick_history import TickHistory
 from farhand.programs.compiling import prepare_aloud
 from farhand.programs.series import Series
 from farhand.programs.sessions import random_session
-from farhand.programs.wiring import make_operator, versions
+from farhand.programs.wiring import make_operator, source_state, versions
 from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario, scenario_to_table
 from farhand.site.acknowledge import AcknowledgeServer
 from farhand.site.estop import EstopServer
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
+from farhand.site.tick_server import TickServer
 
 
 class Course:
@@ -112,7 +113,6 @@ class OperatorOptions:
         seed: of the run, for its recording; the operator's side draws nothing.
         time_limit: after the first motion command (s); None: no limit.
         report: endpoint of this host for reports and handovers; empty: none.
-        record: file for a recording; None: none.
         result: JSON file for what happened; None: none.
         realtime: ask for SCHED_FIFO.
     """
@@ -122,7 +122,6 @@ class OperatorOptions:
     seed: int = 0
     time_limit: float | None = None
     report: str = ""
-    record: Path | None = None
     result: Path | None = None
     realtime: bool = True
 
@@ -178,28 +177,18 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             closing.callback(stopper.close)
             clearer = AcknowledgeServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(clearer.close)
-        recorder = _recorder(options, scenario, identity, controller.settings.solver)
-        if recorder is not None:
-            closing.callback(recorder.close)
-            node.recorder = recorder
-
-        def troubles() -> dict[str, str]:
-            return link.losses() | (recorder.troubles() if recorder is not None else {})
-
+            node.recorder = history = TickHistory()
+            info = _run_info(options, scenario, identity, controller.settings.solver, clock.epoch_ns())
+            closing.callback(TickServer(history, info, report_session).close)
         unheard = _unheard(robot, folder, access.router)
         watch = PeerWatch(
-            "operator", access.where, link.connected, stop_event, heard.is_set, unheard, troubles
+            "operator", access.where, link.connected, stop_event, heard.is_set, unheard, link.losses
         )
         outcome = run_operator(
             node, clock, stop_event, time_limit=options.time_limit, slot=slot, realtime=options.realtime
         )
-    lacking = ""
-    if recorder is not None and recorder.trouble:
-        lacking = f"--record {options.record}: {recorder.missing} ticks are missing: {recorder.trouble}"
-        say("operator", lacking)
     if options.result is not None:
         path, result = options.result, _result(node, outcome, course, controller)
-        result = msgspec.structs.replace(result, recording_trouble=lacking)
         survive(f"--result {path}", lambda: write_result(result, path), lambda line: say("operator", line))
     say("operator", "finished" if outcome.finished else "ended before the last target")
     return 0 if outcome.finished else 1
@@ -231,12 +220,10 @@ def _mirrored(link: ZenohLink, reports: ZenohLink | None, robot: str) -> Link:
     return mirrored
 
 
-def _recorder(
-    options: OperatorOptions, scenario: Scenario, identity: OperatorIdentity, solver: str
-) -> RunRecorder | None:
-    if options.record is None:
-        return None
-    info = RunInfo(
+def _run_info(
+    options: OperatorOptions, scenario: Scenario, identity: OperatorIdentity, solver: str, epoch_ns: int
+) -> RunInfo:
+    return RunInfo(
         scenario=scenario_to_table(scenario),
         robot=identity.robot,
         session=identity.session,
@@ -244,8 +231,10 @@ def _recorder(
         versions=versions(),
         solver=solver,
         operator=identity.name,
+        clock="real",
+        epoch_ns=epoch_ns,
+        git=source_state(),
     )
-    return RunRecorder(options.record, info)
 
 
 def _result(

@@ -2,7 +2,9 @@
 
 import importlib.metadata
 import platform
+import subprocess
 from collections.abc import Callable
+from pathlib import Path
 
 from farhand.common.link.link import Link
 from farhand.common.seeds import stream
@@ -53,6 +55,27 @@ def make_robot_node(
 ) -> RobotNode:
     """The robot's node with the scenario's robot, or with another one."""
     return RobotNode(scenario, make_robot(scenario) if robot is None else robot, link, name, session)
+
+
+def source_state() -> str:
+    """The commit that runs, as `git describe` says, with a mark where files differ from it; empty: not from a clone."""
+    here = Path(__file__).resolve()
+    if not _git(
+        here.parent, "ls-files", "--error-unmatch", here.name
+    ):  # in somebody else's repository, or none
+        return ""
+    return _git(here.parent, "describe", "--always", "--dirty", "--abbrev=12")
+
+
+def _git(folder: Path, *words: str) -> str:
+    """What a git command says; empty where it fails."""
+    try:
+        found = subprocess.run(
+            ["git", "-C", str(folder), *words], capture_output=True, text=True, timeout=5.0, check=False
+        )
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return found.stdout.strip() if found.returncode == 0 else ""
 
 
 def versions() -> dict[str, str]:

@@ -58,7 +58,14 @@ def run_summarise(run: Run, folder: Path, *, why: str, as_json: bool) -> int:
 
 
 def conclude(
-    run: Run, folder: Path, console: Console, *, why: str, as_json: bool, left_in: Path | None = None
+    run: Run,
+    folder: Path,
+    console: Console,
+    *,
+    why: str,
+    as_json: bool,
+    left_in: Path | None = None,
+    note: str = "",
 ) -> int:
     """Make summary and figure of what the programs left behind, and print how it went.
 
@@ -69,6 +76,7 @@ def conclude(
         why: what went wrong, where the results cannot say it.
         as_json: print the summary as the last line.
         left_in: where the programs left their results; None: in `folder`. Elsewhere, they are copied there.
+        note: what else there is to say, such as what a recording lacks.
 
     Returns 0 if the run was safe and finished, else 1. Raises ResultError where a result cannot be read.
     """
@@ -96,7 +104,7 @@ def conclude(
     )
     if results.operator is not None and results.operator.notice:
         console.print(results.operator.notice, style="yellow", markup=False)
-    if results.operator is not None and results.operator.recording_trouble:
-        console.print(results.operator.recording_trouble, style="yellow", markup=False)
+    if note:
+        console.print(note, style="yellow", markup=False)
     print_outcome(summary, folder if written else None, figure, console, as_json=as_json)
     return summary.exit_code

@@ -1,6 +1,7 @@
 """A file for a recorder to write to, that is slow, full or broken whenever a test wants it to be."""
 
 import errno
+import io
 import threading
 from collections.abc import Callable
 
@@ -56,6 +57,10 @@ class ScriptedFile:
     def read_bytes(self) -> bytes:
         """All of it, as of a path."""
         return bytes(self.data)
+
+    def open(self, mode: str) -> io.BytesIO:
+        """To be read, as of a path."""
+        return io.BytesIO(self.read_bytes())
 
     def _put(self, data: bytes) -> None:
         self.data[self._place : self._place + len(data)] = data

@@ -137,7 +137,7 @@ BAD = [
     (["robot", "--result", "no/such/folder.json"], "--result"),
     (["operator", "--robot", "*"], "'*'"),
     (["operator", "--report", "tcp/10.0.0.1:7000"], "--report"),
-    (["operator", "--record", "."], "--record"),
+    (["record", "--out", "."], "--out"),
     (["operator", "--result", "no/x.json"], "--result"),
     (["operator", "--time-limit", "-3"], "--time-limit"),
     (["operator", "--name", "x" * 65], "1 to 64 printable"),

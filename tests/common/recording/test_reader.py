@@ -1,5 +1,7 @@
 """Recordings: what was written is read, and what was cut off is read up to the cut."""
 
+import io
+
 import msgspec
 import pytest
 
@@ -22,8 +24,8 @@ class InMemory:
     def __init__(self, data):
         self.data = data
 
-    def read_bytes(self):
-        return self.data
+    def open(self, mode):
+        return io.BytesIO(self.data)
 
 
 @pytest.fixture

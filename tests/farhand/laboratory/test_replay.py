@@ -10,11 +10,8 @@ import pytest
 
 from farhand.cli import run as run_cli
 from farhand.common.errors import InputError
-from farhand.common.link.link import Packet
-from farhand.common.messages.codec import Decoder
-from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import read_run
-from farhand.common.recording.writer import RunRecorder
+from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.replay import RecordedSteering, differing_fields, replay
 from farhand.laboratory.simulation import simulate
 from farhand.operator_side.supervision import ESTOP_ASKED
@@ -112,11 +109,10 @@ def rewritten(source: Path, path: Path, section: str, **changes) -> Path:
     """The recording, of a scenario that says something else in a section."""
     whole = read_run(source)
     scenario = whole.info.scenario | {section: whole.info.scenario.get(section, {}) | changes}
-    recorder = RunRecorder(path, msgspec.structs.replace(whole.info, scenario=scenario), waits=True)
+    written = RunFile(path, msgspec.structs.replace(whole.info, scenario=scenario))
     for tick in whole.ticks:
-        packets = [Packet(key, payload, arrived_ns) for key, arrived_ns, payload in tick.packets]
-        recorder.tick(tick.now_ns, packets, tick.command, Decoder(ControlReport).decode_or_raise(tick.report))
-    recorder.close()
+        written.tick(tick)
+    written.close()
     return path
 
 
@@ -182,12 +178,11 @@ def test_a_recording_with_a_gap_is_judged_up_to_it_and_says_so(recordings, tmp_p
     """A disk that was full for a while: what came after the gap follows from ticks that are not there."""
     whole = read_run(recordings["adaptive"])
     file = ScriptedFile()
-    recorder = RunRecorder(tmp_path / "unused", whole.info, waits=True, file=file)
-    file.fails = lambda number: 200 < number < 260
+    written = RunFile(tmp_path / "unused", whole.info, file=file)
+    file.fails = lambda number: 20 < number < 30
     for tick in whole.ticks:
-        packets = [Packet(key, payload, arrived_ns) for key, arrived_ns, payload in tick.packets]
-        recorder.tick(tick.now_ns, packets, tick.command, Decoder(ControlReport).decode_or_raise(tick.report))
-    recorder.close()
+        written.tick(tick)
+    written.close()
     path = tmp_path / "run.mcap"
     path.write_bytes(file.read_bytes())
     result = replay(path)

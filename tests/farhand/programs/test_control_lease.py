@@ -112,7 +112,7 @@ def test_a_run_with_a_handover_replays_to_the_byte(tmp_path):
     table = scenario_to_table(bench.scenario)
     info = RunInfo(scenario=table, robot="r", session=7, seed=0, versions=versions(), operator="alice")
     alice = bench.start("alice", 7)
-    alice.recorder = RunRecorder(path, info, waits=True)
+    alice.recorder = RunRecorder(path, info)
     try:
         bench.run(2_000)
         bob = bench.start("bob", 8)

@@ -21,7 +21,6 @@ from farhand.common.messages.keys import command_key
 from farhand.common.process.teller import Teller
 from farhand.common.recording.reader import read_run
 from farhand.common.recording.records import RunInfo
-from farhand.common.recording.writer import RunRecorder
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
 from farhand.common.timing.slot import Slot
@@ -35,14 +34,17 @@ from farhand.netem.spec import parse_spec
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity
+from farhand.operator_side.tick_history import TickHistory
 from farhand.programs.operator import Course
+from farhand.programs.recorder import Recording
 from farhand.programs.wiring import make_operator
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario, replace_setting
 from farhand.site.handover import HandoverServer
-from farhand.testing.disk import ScriptedFile
+from farhand.site.tick_server import TickServer
+from tests.farhand.site.fakes import Silent
 
 INFO = RunInfo(scenario={"name": "x"}, robot="r", session=3, seed=1, versions={"python": "3"})
 PATIENCE = 20.0
@@ -171,7 +173,7 @@ def test_the_robots_loop(watch):
 def test_the_operators_loop(watch):
     _, link = memory_wire()
     reports, report_end = memory_wire()
-    stop, clock, slot, disk = threading.Event(), SystemClock(), Slot(), ScriptedFile()
+    stop, clock, slot = threading.Event(), SystemClock(), Slot()
     settings = scenario()
     controller = make_controller(settings.controller)
     controller.prepare()
@@ -179,8 +181,7 @@ def test_the_operators_loop(watch):
     watched, teller = watch(), Teller("operator")
     course = Course(node, settings, teller.say)
     node.listeners += [course, ReportPublisher(report_end, "r")]
-    node.recorder = RunRecorder(None, INFO, file=disk)
-    disk.threads.clear()
+    node.recorder = TickHistory()
     handover = HandoverServer(node, slot, clock, None, "r", "", teller.say)
     thread, failed = in_loop_thread(lambda: run_operator(node, clock, stop, slot=slot, realtime=False))
     wait_until(lambda: course.tally.ticks >= 3)
@@ -189,10 +190,7 @@ def test_the_operators_loop(watch):
     thread.join(PATIENCE)
     handover.close()
     assert len(reports.receive()) == course.tally.ticks == len(course.series.samples())
-    node.recorder._ticks.close()
-    assert disk.threads == {"recorder"}
-    node.recorder.close()
-    assert len(read_run(disk).ticks) == course.tally.ticks
+    assert len(node.recorder.since(0, 1 << 20)) == course.tally.ticks
     teller.close()
     assert "no state from the robot yet" in watched.terminal.getvalue()
     assert not failed
@@ -309,18 +307,22 @@ def test_a_request_that_takes_long_holds_nobody_up(watch, tmp_path, monkeypatch)
     teller.close()
 
 
-def test_the_recording_of_a_program_is_whole(tmp_path):
+def test_what_a_program_keeps_for_its_recorder_is_whole(tmp_path):
     """What the loop hands over is all in the file, under its real name."""
     _, link = memory_wire()
     stop, clock, path = threading.Event(), SystemClock(), tmp_path / "run.mcap"
     settings = scenario()
     controller = make_controller(settings.controller)
     node = make_operator(settings, link, OperatorIdentity("r", 7, "o"), controller)
-    node.recorder = RunRecorder(path, INFO)
+    node.recorder = TickHistory()
+    server = TickServer(node.recorder, INFO, Silent())
     ticks = []
     node.listeners += [ticks.append, lambda report: len(ticks) == 3 and stop.set()]
     run_operator(node, clock, stop, realtime=False)
-    node.recorder.close()
+    recording = Recording(path)
+    recording.take(server.answer(b'{"since": 0}'))
+    recording.close()
+    server.close()
     run = read_run(path)
     assert run.complete
     assert [record.report for record in run.ticks] == [encode(report) for report in ticks]

@@ -18,7 +18,7 @@ from farhand.common.recording.reader import read_run
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
 from farhand.netem.measure.message_log import read_log
-from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
+from farhand.programs.command_line import NetemWords, OperatorWords, RecordWords, RobotWords
 from farhand.site.tap import run_tap
 from farhand.testing import Witness, command, echo_of, short_task
 from farhand.testing.programs import PATIENCE
@@ -98,7 +98,8 @@ def test_each_signal_ends_a_program_with_its_result_and_releases_what_it_holds(
     started, endpoint, tmp_path, number
 ):
     far = str(short_task(tmp_path, [(50.0, 0.0, 0.5)]))
-    down, files = f"tcp/127.0.0.1:{free_ports(1)[0]}", {n: tmp_path / f"{n}.json" for n in ("o", "n", "r")}
+    down, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(2))
+    files = {n: tmp_path / f"{n}.json" for n in ("o", "n", "r")}
     netem = started(
         NetemWords(
             listen_operator=endpoint, listen_robot=down, stats=str(files["n"]), log=str(tmp_path / "log.csv")
@@ -111,14 +112,17 @@ def test_each_signal_ends_a_program_with_its_result_and_releases_what_it_holds(
             robot="r",
             connect=(endpoint,),
             result=str(files["o"]),
-            record=str(tmp_path / "run.mcap"),
+            report=report,
         )
     )
+    recorder = started(RecordWords(connect=report, robot="r", out=str(tmp_path / "run.mcap")))
+    recorder.wait_for("records run")
     witness = Witness(endpoint)
     try:
         witness.wait_until(lambda s: s.mode == "run" and s.velocity[0] > 0.1)
         operator.signal(number)
         assert operator.wait() == 1
+        assert recorder.wait() == 0  # it ends with the operator's program, and has all
         assert witness.wait_until(lambda s: s.holder == 0).lease_end == "released"
     finally:
         witness.close()

@@ -1,0 +1,111 @@
+"""A run's file: ticks as they were and what views say of them; what cannot be written leaves a gap that it tells of."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import msgspec
+
+from farhand.common.errors import RunFileError
+from farhand.common.recording.decoded import TickDecoder
+from farhand.common.recording.json_view import JsonView, View
+from farhand.common.recording.mcap_file import ChannelSpec, McapFile
+from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, sealed
+from farhand.common.recording.whole_records import RawFile
+
+CHUNK_BYTES = 1 << 19
+CHUNK_NS = 500_000_000
+"""A chunk is closed when it holds so much, or spans so long: what is lost to a kill."""
+_TICK = ChannelSpec(TICK, "msgpack", "farhand.Tick")
+
+
+class RunFile:
+    """Writes a run. None of its methods raises for want of disk; `missing` and `trouble` tell.
+
+    Args:
+        path: file to write; its folder must exist.
+        info: see RunInfo.
+        views: what is told beside the ticks' bytes.
+        file: in place of an unbuffered file at `path`.
+
+    Attributes:
+        missing: ticks that are not in the file, so far.
+        trouble: why the first of them is not, in words; empty if none is missing.
+
+    Raises:
+        RunFileError: the file cannot be begun.
+    """
+
+    def __init__(
+        self, path: Path, info: RunInfo, views: Sequence[View] = (), file: RawFile | None = None
+    ) -> None:
+        self.missing, self.trouble = 0, ""
+        self._views = (JsonView(), *views)
+        self._epoch_ns = info.epoch_ns
+        self._decoder, self._encode = TickDecoder(), msgspec.msgpack.Encoder().encode
+        channels = (_TICK, *(each for view in self._views for each in view.channels))
+        self._numbers = {each.topic: number for number, each in enumerate(channels, 1)}
+        self._open: list[int] = []  # the beginnings of the ticks in the open chunk
+        self._gap: Gap | None = None  # to be noted before the next chunk
+        try:
+            self._file = McapFile(_opened(path) if file is None else file, "farhand", FORMAT, channels)
+            self._file.metadata(RUN, sealed(info))
+        except OSError as error:
+            raise RunFileError(f"run {path}: cannot be written: {error.strerror or error}") from None
+
+    def tick(self, record: TickRecord) -> None:
+        """Take a tick; written when its chunk is closed."""
+        decoded = self._decoder.decode(record)
+        self._put(TICK, record.now_ns, self._encode(record), record.number)
+        for view in self._views:
+            for topic, stamp_ns, data in view.tick(decoded):
+                self._put(topic, stamp_ns, data, record.number)
+        self._open.append(record.now_ns)
+        if self._file.waiting > CHUNK_BYTES or record.now_ns - self._open[0] >= CHUNK_NS:
+            self.flush()
+
+    def gap(self, gap: Gap) -> None:
+        """Ticks that came never."""
+        self.flush()
+        self._miss(gap)
+
+    def flush(self) -> None:
+        """Write what waits."""
+        if not self._open:
+            return
+        opened, self._open = self._open, []
+        try:
+            self._write_gap()
+            self._file.flush()
+        except OSError as error:
+            self._file.discard()
+            why = f"it cannot be written: {error.strerror or error}"
+            self._miss(Gap(ticks=len(opened), first_ns=opened[0], last_ns=opened[-1], why=why))
+
+    def close(self) -> None:
+        """Write what waits and finish the file."""
+        self.flush()
+        try:
+            self._write_gap()
+        except OSError:
+            pass  # the end, which is tried next, says the same
+        try:
+            self._file.close()
+        except OSError as error:
+            self.trouble = self.trouble or f"its end cannot be written: {error.strerror or error}"
+
+    def _put(self, topic: str, stamp_ns: int, data: bytes, sequence: int) -> None:
+        self._file.add(self._numbers[topic], stamp_ns + self._epoch_ns, data, sequence)
+
+    def _miss(self, gap: Gap) -> None:
+        self.trouble = self.trouble or gap.why
+        self.missing += gap.ticks
+        self._gap = gap if self._gap is None else self._gap.and_then(gap)
+
+    def _write_gap(self) -> None:
+        if self._gap is not None:
+            self._file.metadata(GAP, sealed(self._gap))
+            self._gap = None
+
+
+def _opened(path: Path) -> RawFile:
+    return path.open("wb", buffering=0)

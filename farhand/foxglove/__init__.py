@@ -1,0 +1,1 @@
+"""A run as Foxglove's own topics: into a recording, or live."""

@@ -1,0 +1,51 @@
+"""An operator's half of `farhand record`: gives the newest ticks to whoever comes for them, in a thread of its own."""
+
+import msgspec
+import zenoh
+
+from farhand.common.link.requests import Desk, Request, Requests
+from farhand.common.messages.keys import ticks_key
+from farhand.common.recording.batch import BATCH_BYTES, TickBatch, TicksWanted
+from farhand.common.recording.records import RunInfo
+from farhand.operator_side.tick_history import TickHistory
+
+FAREWELL = 0.8
+"""How long an ending program waits for a recorder that has come before (s)."""
+
+
+class TickServer:
+    """Args:
+    history: what is given.
+    info: of the run.
+    session: where requests come from, on this host only.
+    """
+
+    def __init__(self, history: TickHistory, info: RunInfo, session: zenoh.Session) -> None:
+        self._history, self._info = history, info
+        self._ended = self._asked = False
+        self._desk = Desk("ticks", self._look, Requests(session, ticks_key(info.robot)))
+
+    def close(self) -> None:
+        """Give a recorder that has come before the rest, then answer nobody any more."""
+        self._ended = True
+        if self._asked:
+            self._history.wait_until_taken(FAREWELL)
+        self._desk.close()
+
+    def answer(self, payload: bytes) -> TickBatch | None:
+        """The batch that a request asks for; None: it is none."""
+        try:
+            wanted = msgspec.json.decode(payload, type=TicksWanted)
+        except msgspec.MsgspecError:
+            return None
+        self._asked = True
+        ended = self._ended  # before the ticks are looked at, so that "all" is not said too early
+        ticks = self._history.since(wanted.since, BATCH_BYTES)
+        more = self._history.more
+        return TickBatch(info=self._info, ticks=ticks, more=more, ended=ended and not more)
+
+    def _look(self, request: Request | None) -> None:
+        if request is not None:
+            batch = self.answer(request.payload)
+            answer = b"" if batch is None else msgspec.msgpack.encode(batch)
+            request.reply(answer, zenoh.Encoding.APPLICATION_OCTET_STREAM)
