@@ -1,6 +1,5 @@
 """The newest ticks of an operator's node, kept for a recorder that comes for them: its loop waits for nobody."""
 
-import threading
 from collections import deque
 from dataclasses import dataclass
 
@@ -40,7 +39,6 @@ class TickHistory:
         self.taken = 0
         self._ticks: deque[_Tick] = deque(maxlen=kept)
         self._count = 0
-        self._caught_up = threading.Event()
 
     def tick(self, now_ns: int, packets: list[Packet], command: bytes | None, report: ControlReport) -> None:
         """Keep one tick; for the loop's thread."""
@@ -62,19 +60,12 @@ class TickHistory:
             if size <= 0:
                 break
         self.taken = found[-1].number + 1 if found else max(self.taken, min(number, self._count))
-        if not self.more:
-            self._caught_up.set()
         return tuple(found)
 
     @property
     def more(self) -> bool:
         """Whether there are ticks that nobody has come for."""
         return self.taken < self._count
-
-    def wait_until_taken(self, patience: float) -> bool:
-        """Whether, within so many s, somebody has come for all that there is; once no tick is added any more."""
-        self._caught_up.clear()
-        return not self.more or self._caught_up.wait(patience)
 
     def _snapshot(self) -> list[_Tick]:
         while True:

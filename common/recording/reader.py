@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 import msgspec
-from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema, Statistics
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from farhand.common.errors import RunFileError
@@ -94,6 +94,7 @@ class RunReader:
         info: see RunInfo; known once `items` was asked for the first thing.
         cut_off: the file ends early; known at the end.
         damaged: parts that cannot be read and were left out, so far.
+        promised: messages of each topic that were written, as the end of the file says; empty: it has none.
         size: bytes of the file.
 
     Raises:
@@ -104,6 +105,7 @@ class RunReader:
         self._path = path
         self.cut_off = False
         self.damaged = 0
+        self.promised: dict[str, int] = {}
         try:
             self._file: BinaryIO = path.open("rb")
             self.size = self._file.seek(0, os.SEEK_END)
@@ -120,6 +122,9 @@ class RunReader:
             for record in self._sound():
                 if isinstance(record, Chunk):
                     yield from self._messages(record, topics)
+                elif isinstance(record, Statistics):
+                    counts = record.channel_message_counts.items()
+                    self.promised = {self._topics.get(channel, ""): count for channel, count in counts}
                 elif isinstance(record, Metadata) and record.name == GAP:
                     gap = _gap(record.metadata)
                     if gap is not None:  # else its ticks' numbers are missing all the same
@@ -184,19 +189,18 @@ def read_run(path: Path) -> RecordedRun:
         except msgspec.MsgspecError:
             continue  # its number is missing, which is told of
         if tick.number > expected:
-            before_ns = ticks[-1].now_ns if ticks else tick.now_ns
-            gaps.append(
-                Gap(
-                    ticks=tick.number - expected,
-                    first_ns=before_ns,
-                    last_ns=tick.now_ns,
-                    why=DAMAGED,
-                    before=len(ticks),
-                )
-            )
+            gaps.append(_left_out(tick.number - expected, ticks, tick.now_ns))
         expected = tick.number + 1
         ticks.append(tick)
+    lost = reader.promised.get(TICK, 0) - len(ticks) - sum(gap.ticks for gap in gaps if gap.why == DAMAGED)
+    if lost > 0:  # the last ones: no number after them tells
+        gaps.append(_left_out(lost, ticks, ticks[-1].now_ns if ticks else 0))
     return RecordedRun(reader.info, ticks, tuple(gaps), reader.cut_off, reader.size)
+
+
+def _left_out(count: int, ticks: list[TickRecord], next_ns: int) -> Gap:
+    before_ns = ticks[-1].now_ns if ticks else next_ns
+    return Gap(ticks=count, first_ns=before_ns, last_ns=next_ns, why=DAMAGED, before=len(ticks))
 
 
 def _gap(metadata: dict[str, str]) -> Gap | None:

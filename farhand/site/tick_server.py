@@ -1,5 +1,7 @@
 """An operator's half of `farhand record`: gives the newest ticks to whoever comes for them, in a thread of its own."""
 
+import threading
+
 import msgspec
 import zenoh
 
@@ -23,13 +25,14 @@ class TickServer:
     def __init__(self, history: TickHistory, info: RunInfo, session: zenoh.Session) -> None:
         self._history, self._info = history, info
         self._ended = self._asked = False
+        self._told_all = threading.Event()
         self._desk = Desk("ticks", self._look, Requests(session, ticks_key(info.robot)))
 
     def close(self) -> None:
         """Give a recorder that has come before the rest, then answer nobody any more."""
         self._ended = True
         if self._asked:
-            self._history.wait_until_taken(FAREWELL)
+            self._told_all.wait(FAREWELL)
         self._desk.close()
 
     def answer(self, payload: bytes) -> TickBatch | None:
@@ -49,3 +52,5 @@ class TickServer:
             batch = self.answer(request.payload)
             answer = b"" if batch is None else msgspec.msgpack.encode(batch)
             request.reply(answer, zenoh.Encoding.APPLICATION_OCTET_STREAM)
+            if batch is not None and batch.ended:
+                self._told_all.set()

@@ -47,7 +47,7 @@ def test_a_recording_and_a_log_that_cannot_grow_cost_neither_the_task_nor_the_re
     operator = started(
         OperatorWords(scenario=scenario, robot="r", connect=(endpoint,), report=report, result=str(result))
     )
-    recorder = cramped(RecordWords(connect=report, robot="r", out=str(record)), 48)
+    recorder = cramped(RecordWords(connect=report, robot="r", out=str(record)), 72)
     assert operator.wait() == 0
     assert json.loads(result.read_text())["finished"]
     said = recorder.communicate(timeout=20)[1]
