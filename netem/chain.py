@@ -152,6 +152,9 @@ class Chain:
                 impairment = _found_or_built(before, now, word, word, self._context(key, owner, word.kind))
             if word.stage <= Stage.DUPLICATE:
                 head.append((word.stage, impairment))
+                if impairment.rest is not None:
+                    tail.append(impairment.rest)
+                    copy_tail.append(impairment.rest)
                 continue
             tail.append(impairment)
             if duplicates and _draws_anew(word):

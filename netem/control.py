@@ -109,19 +109,22 @@ class ControlServer:
         node: the emulator.
         slot: served by the node's loop.
 
+    Attributes:
+        session: on that endpoint.
+
     Raises:
         EndpointError: the port is taken.
     """
 
     def __init__(self, endpoint: str, node: NetemNode, slot: Slot) -> None:
         self._node, self._slot = node, slot
-        self._session = open_session((), [control_endpoint(endpoint)])
-        self._desk = Desk("control", self._look, Requests(self._session, KEY))
+        self.session = open_session((), [control_endpoint(endpoint)])
+        self._desk = Desk("control", self._look, Requests(self.session, KEY))
 
     def close(self) -> None:
         """Stop answering."""
         self._desk.close()
-        self._session.close()  # type: ignore[no-untyped-call]
+        self.session.close()  # type: ignore[no-untyped-call]
 
     def _look(self, request: Request | None) -> None:
         if request is not None:

@@ -26,6 +26,8 @@ from farhand.common.trust.tls import load_folder, watch_names
 from farhand.netem.announcer import Announcer
 from farhand.netem.control import ControlServer, control_endpoint, look_at
 from farhand.netem.emulation import Emulation
+from farhand.netem.fate_server import FateServer
+from farhand.netem.measure.fate_history import FateHistory
 from farhand.netem.measure.message_log import CsvLog
 from farhand.netem.measure.metrics import MetricsServer
 from farhand.netem.measure.report import print_statistics
@@ -111,18 +113,21 @@ class _Emulator:
             settings.limits,
         )
         self.log = self._opened(CsvLog(settings.log)) if settings.log else None
+        history = FateHistory() if settings.control else None
+        logs = [log for log in (self.log, history) if log is not None]
         self._proxy = self._open_proxy()
         self.node = NetemNode(
             self._proxy.operator_link,
             self._proxy.robot_link,
             emulation,
-            log=self.log,
+            logs=logs,
             schedule=schedule,
             instant=self._clock.now_ns,
         )
         slot = Slot(self._wake)
-        if settings.control:
-            self._opened(ControlServer(settings.control, self.node, slot))
+        if settings.control and history is not None:
+            control = self._opened(ControlServer(settings.control, self.node, slot))
+            self._opened(FateServer(history, self.node, self._clock, control.session, settings.seed))
         if settings.metrics:
             self._opened(MetricsServer(settings.metrics, lambda: look_at(self.node)))
         self._loop = RealtimeLoop(

@@ -5,12 +5,13 @@ when it arrives; it is released when its time has come. Times in schedules count
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from farhand.common.errors import FarhandError
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.keys import kind_of
+from farhand.common.recording.fates import DELIVERED, ON_THE_WAY, Fate
 from farhand.netem.direction import Direction
 from farhand.netem.emulation import Emulation
 from farhand.netem.envelope import MustArrive
@@ -31,8 +32,8 @@ class ConservationError(FarhandError):
 class MessageLog(Protocol):
     """Takes the fate of every message."""
 
-    def record(self, direction: str, transit: Transit, released_ns: int | None) -> None:
-        """A message was released at `released_ns` (after its sending), or dropped (None)."""
+    def record(self, fate: Fate) -> None:
+        """A message was released, or lost; must not wait."""
         ...
 
 
@@ -54,7 +55,7 @@ class NetemNode:
     Args:
         operator_link, robot_link: the two sides.
         emulation: what the network is like.
-        log: takes the fate of every message.
+        logs: each takes the fate of every message.
         schedule: changes the network while it runs.
         instant: reads the time after a sending, so that the achieved delay holds the emulator's own
             work; without it the time of the step is taken (exact in virtual time).
@@ -69,7 +70,7 @@ class NetemNode:
         robot_link: Link,
         emulation: Emulation,
         *,
-        log: MessageLog | None = None,
+        logs: Sequence[MessageLog] = (),
         schedule: Schedule | None = None,
         instant: Callable[[], int] | None = None,
     ) -> None:
@@ -78,7 +79,8 @@ class NetemNode:
         self.directions = {"uplink": up, "downlink": down}
         self.round_trips: dict[str, RoundTrips] = {}
         self._both = (up, down)
-        self._log = log
+        self._logs = tuple(logs)
+        self.origin_ns = 0
         self._schedule = schedule
         self._instant = instant
         self._started = False
@@ -114,6 +116,12 @@ class NetemNode:
                 next_ns = due_ns
         return next_ns
 
+    def tell_rest(self) -> None:
+        """Tell the logs of what is still on its way, once nothing is stepped any more."""
+        for direction in self._both:
+            for transit in direction.queue.waiting():
+                self._note_fate(direction, transit, None, ON_THE_WAY)
+
     def conserved(self) -> bool:
         """Whether every message that came in is accounted for."""
         queued_right = all(d.total().queued == len(d.queue) for d in self._both)
@@ -141,7 +149,7 @@ class NetemNode:
         )
 
     def _start(self, origin_ns: int) -> None:
-        self._started = True
+        self._started, self.origin_ns = True, origin_ns
         for direction in self._both:
             direction.start(origin_ns)
         if self._schedule is not None:
@@ -173,8 +181,7 @@ class NetemNode:
 
     def _drop(self, direction: Direction, transit: Transit, statistics: FlowStatistics) -> None:
         statistics.dropped[transit.cause] += 1
-        if self._log is not None:
-            self._log.record(direction.name, transit, None)
+        self._note_fate(direction, transit, None)
 
     def _release(self, direction: Direction, transit: Transit, now_ns: int) -> None:
         statistics = direction.of(transit.flow.robot)
@@ -191,7 +198,7 @@ class NetemNode:
         statistics.drawn.add(transit.delay_ns)
         statistics.achieved.add(achieved_ns)
         statistics.error.add(max(0, sent_ns - transit.release_ns))
-        if transit.corrupted:
+        if transit.corrupted >= 0:
             statistics.corrupted += 1
         flow = transit.flow
         if transit.ordinal > flow.newest_released:
@@ -200,10 +207,31 @@ class NetemNode:
             statistics.reordered += 1
         if isinstance(transit.stamps, CommandMark):
             transit.stamps.delivered = True
-        elif isinstance(transit.stamps, EchoMark) and not transit.corrupted:
+        elif isinstance(transit.stamps, EchoMark) and transit.corrupted < 0:
             self.round_trips[flow.robot].returned(transit.stamps, sent_ns)
-        if self._log is not None:
-            self._log.record(direction.name, transit, sent_ns)
+        self._note_fate(direction, transit, sent_ns)
+
+    def _note_fate(
+        self, direction: Direction, transit: Transit, sent_ns: int | None, lived: str = DELIVERED
+    ) -> None:
+        """Tell the logs, if there are any, what became of a message; None: it is lost."""
+        if not self._logs:
+            return
+        fate = Fate(
+            direction="uplink" if direction.name == "uplink" else "downlink",
+            key=transit.packet.key,
+            number=transit.ordinal,
+            copy=transit.is_copy,
+            size=transit.size,
+            arrived_ns=transit.arrived_ns - self.origin_ns,
+            drawn_ns=transit.delay_ns,
+            assigned_ns=transit.release_ns - transit.arrived_ns,
+            achieved_ns=-1 if sent_ns is None else sent_ns - transit.arrived_ns,
+            corrupted=transit.corrupted,
+            fate=transit.cause or lived,
+        )
+        for log in self._logs:
+            log.record(fate)
 
     def _offer_again(
         self, direction: Direction, transit: Transit, statistics: FlowStatistics, now_ns: int

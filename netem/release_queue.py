@@ -55,3 +55,7 @@ class ReleaseQueue:
     def next_ns(self) -> int | None:
         """When the next message is due."""
         return self._heap[0][0] if self._heap else None
+
+    def waiting(self) -> list[Transit]:
+        """What is in it, in the order in which it is due."""
+        return [transit for _, _, transit in sorted(self._heap, key=lambda entry: entry[:2])]

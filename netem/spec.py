@@ -160,6 +160,10 @@ def _word(name: str, reader: SpecReader, start: int) -> Word:
 
 
 def _append(word: Word, words: list[Word], reader: SpecReader, start: int) -> None:
+    whole = next((each for each in (word, *words) if each.alone), None)
+    if whole is not None and words:
+        reader.example = ""
+        reader.fail(f"{whole.name!r} is a whole network and stands alone", start)
     if any(other.kind == word.kind for other in words):
         reader.example = ""
         reader.fail(f"a second {word.kind}; one is possible", start)

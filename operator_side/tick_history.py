@@ -1,11 +1,12 @@
-"""The newest ticks of an operator's node, kept for a recorder that comes for them: its loop waits for nobody."""
+"""The newest ticks of an operator's node, for a recorder that comes for them."""
 
-from collections import deque
 from dataclasses import dataclass
 
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import encode
 from farhand.common.messages.report import ControlReport
+from farhand.common.recording.batch import BATCH_BYTES
+from farhand.common.recording.history import History
 from farhand.common.recording.records import TickRecord
 
 KEPT = 3000
@@ -16,60 +17,37 @@ KEPT = 3000
 class _Tick:
     """As the loop hands it over: encoded only when somebody asks for it."""
 
-    number: int
     now_ns: int
     packets: tuple[Packet, ...]
     command: bytes | None
     report: ControlReport
 
-    def record(self) -> TickRecord:
+    def record(self, number: int) -> TickRecord:
         copies = tuple((p.key, p.arrived_ns, p.payload) for p in self.packets)
-        return TickRecord(self.number, self.now_ns, copies, self.command, encode(self.report))
+        return TickRecord(number, self.now_ns, copies, self.command, encode(self.report))
 
 
 class TickHistory:
     """Args:
     kept: how many ticks.
-
-    Attributes:
-        taken: number of the first tick that nobody has come for yet.
     """
 
     def __init__(self, kept: int = KEPT) -> None:
-        self.taken = 0
-        self._ticks: deque[_Tick] = deque(maxlen=kept)
-        self._count = 0
+        self._ticks: History[_Tick] = History(kept)
 
     def tick(self, now_ns: int, packets: list[Packet], command: bytes | None, report: ControlReport) -> None:
         """Keep one tick; for the loop's thread."""
-        self._ticks.append(_Tick(self._count, now_ns, tuple(packets), command, report))
-        self._count += 1
+        self._ticks.add(_Tick(now_ns, tuple(packets), command, report))
 
-    def since(self, number: int, size: int) -> tuple[TickRecord, ...]:
-        """Ticks from a number on, the oldest first, until they have so many bytes; for any thread.
+    def since(self, number: int, size: int = BATCH_BYTES) -> tuple[tuple[TickRecord, ...], bool]:
+        """Ticks from a number on, and whether there are more; for any thread.
 
         The first may have a higher number: what was before it is kept no more.
         """
-        found: list[TickRecord] = []
-        for tick in self._snapshot():
-            if tick.number < number:
-                continue
-            record = tick.record()
-            size -= len(record.report) + sum(len(payload) for _, _, payload in record.packets)
-            found.append(record)
-            if size <= 0:
-                break
-        self.taken = found[-1].number + 1 if found else max(self.taken, min(number, self._count))
-        return tuple(found)
+        first, ticks, count = self._ticks.since(number, size, _size)
+        records = tuple(tick.record(first + i) for i, tick in enumerate(ticks))
+        return records, first + len(records) < count
 
-    @property
-    def more(self) -> bool:
-        """Whether there are ticks that nobody has come for."""
-        return self.taken < self._count
 
-    def _snapshot(self) -> list[_Tick]:
-        while True:
-            try:
-                return list(self._ticks)
-            except RuntimeError:  # the loop added one at that very moment
-                continue
+def _size(tick: _Tick) -> int:
+    return 1000 + sum(len(packet.payload) for packet in tick.packets)

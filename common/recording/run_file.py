@@ -7,7 +7,8 @@ import msgspec
 
 from farhand.common.errors import RunFileError
 from farhand.common.recording.decoded import TickDecoder
-from farhand.common.recording.json_view import JsonView, View
+from farhand.common.recording.fates import FATE_TOPICS, Fate
+from farhand.common.recording.json_view import JsonView, View, json_channel
 from farhand.common.recording.mcap_file import ChannelSpec, McapFile
 from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, sealed
 from farhand.common.recording.whole_records import RawFile
@@ -16,6 +17,7 @@ CHUNK_BYTES = 1 << 19
 CHUNK_NS = 500_000_000
 """A chunk is closed when it holds so much, or spans so long: what is lost to a kill."""
 _TICK = ChannelSpec(TICK, "msgpack", "farhand.Tick")
+_FATES = tuple(json_channel(topic, Fate) for topic in FATE_TOPICS.values())
 
 
 class RunFile:
@@ -42,7 +44,8 @@ class RunFile:
         self._views = (JsonView(), *views)
         self._epoch_ns = info.epoch_ns
         self._decoder, self._encode = TickDecoder(), msgspec.msgpack.Encoder().encode
-        channels = (_TICK, *(each for view in self._views for each in view.channels))
+        self._encode_fate = msgspec.json.Encoder().encode
+        channels = (_TICK, *_FATES, *(each for view in self._views for each in view.channels))
         self._numbers = {each.topic: number for number, each in enumerate(channels, 1)}
         self._open: list[int] = []  # the beginnings of the ticks in the open chunk
         self._gap: Gap | None = None  # to be noted before the next chunk
@@ -62,6 +65,16 @@ class RunFile:
         self._open.append(record.now_ns)
         if self._file.waiting > CHUNK_BYTES or record.now_ns - self._open[0] >= CHUNK_NS:
             self.flush()
+
+    def fate(self, fate: Fate, epoch_ns: int) -> None:
+        """Take what became of a message at the emulator.
+
+        Args:
+            fate: of one message.
+            epoch_ns: what must be added to `arrived_ns` for the file's time (ns).
+        """
+        number = self._numbers[FATE_TOPICS[fate.direction]]
+        self._file.add(number, fate.arrived_ns + epoch_ns, self._encode_fate(fate), fate.number)
 
     def gap(self, gap: Gap) -> None:
         """Ticks that came never."""

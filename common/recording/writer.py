@@ -6,6 +6,7 @@ from pathlib import Path
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import encode
 from farhand.common.messages.report import ControlReport
+from farhand.common.recording.fates import Fate
 from farhand.common.recording.json_view import View
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
@@ -32,7 +33,7 @@ class RunRecorder:
     ) -> None:
         self._file = RunFile(path, info, views, file)
         self._number = 0
-        self._ticks: Handoff[TickRecord] = Handoff(self._file.tick, "recorder", WAITING_TICKS)
+        self._items: Handoff[TickRecord | tuple[Fate, int]] = Handoff(self._take, "recorder", WAITING_TICKS)
 
     @property
     def missing(self) -> int:
@@ -47,10 +48,20 @@ class RunRecorder:
     def tick(self, now_ns: int, packets: list[Packet], command: bytes | None, report: ControlReport) -> None:
         """Hand one tick over."""
         copies = tuple((p.key, p.arrived_ns, p.payload) for p in packets)
-        self._ticks.put_waiting(TickRecord(self._number, now_ns, copies, command, encode(report)))
+        self._items.put_waiting(TickRecord(self._number, now_ns, copies, command, encode(report)))
         self._number += 1
+
+    def fate(self, fate: Fate, epoch_ns: int) -> None:
+        """Hand over what became of a message at the emulator; see RunFile."""
+        self._items.put_waiting((fate, epoch_ns))
+
+    def _take(self, item: TickRecord | tuple[Fate, int]) -> None:
+        if isinstance(item, TickRecord):
+            self._file.tick(item)
+        else:
+            self._file.fate(*item)
 
     def close(self) -> None:
         """Write what is handed over and finish the file; never raises, `missing` and `trouble` tell."""
-        self._ticks.close()
+        self._items.close()
         self._file.close()

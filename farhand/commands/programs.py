@@ -234,6 +234,12 @@ def watch(
 def record(
     connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
     robot: RobotOption = "ur5",
+    netem: Annotated[
+        str,
+        typer.Option(
+            help="The emulator's --control endpoint: what became of every message, to have it again."
+        ),
+    ] = "",
     out: Annotated[Path | None, typer.Option(help="File to write (default: runs/TIME-ROBOT.mcap).")] = None,
 ) -> None:
     """Record a running operator: what arrived, what it decided and why, as an MCAP file that opens in Foxglove.
@@ -243,7 +249,8 @@ def record(
     """
     from farhand.programs.recorder import RecorderOptions, recorder_program
 
-    raise typer.Exit(recorder_program(RecorderOptions(robot=robot, connect=connect, out=out)))
+    options = RecorderOptions(robot=robot, connect=connect, netem=netem, out=out)
+    raise typer.Exit(recorder_program(options))
 
 
 def console(

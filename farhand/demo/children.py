@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from farhand.common.process.signals import PARENT_VARIABLE
@@ -51,6 +52,13 @@ class Children:
             except subprocess.TimeoutExpired:
                 return False
         return True
+
+    def wait_for(self, name: str) -> None:
+        """Give one that ends by itself the time for it (1.5 s)."""
+        process = self.running.get(name)
+        if process is not None:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(PATIENCE)
 
     def stop(self) -> None:
         """End all of them: asked first, made to after 1.5 s."""

@@ -73,14 +73,15 @@ def _run_programs(
     Returns what went wrong, and what the recording lacks.
     """
     clock = SystemClock()
-    *ports, page = free_ports(4)
+    *ports, page, control = free_ports(5)
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in ports)
     children = Children(folder, clock)
     reader: ReportReader | None = None
     try:
         name = run.scenario.robot.kind
-        wanted = _words(run, folder, left, operator_side, robot_side, report)
-        wanted.append(RecordWords(out=str(folder / RECORDING), connect=report, robot=name))
+        netem = f"tcp/127.0.0.1:{control}"
+        wanted = _words(run, folder, left, operator_side, robot_side, report, netem)
+        wanted.append(RecordWords(out=str(folder / RECORDING), connect=report, netem=netem, robot=name))
         if browser:
             listen = f"127.0.0.1:{page}"
             wanted.append(ConsoleWords(connect=report, listen=listen, robot=name, opens=has_desktop()))
@@ -100,6 +101,8 @@ def _run_programs(
     finally:
         if reader is not None:
             reader.close()
+        if not stop_event.is_set():
+            children.wait_for(RECORD)  # it ends with the operator's program, and has its last words then
         children.stop()
     recorded = children.ended().get(RECORD)
     lacking = _what_died({RECORD: recorded}, children) if recorded is not None else ""
@@ -107,7 +110,7 @@ def _run_programs(
 
 
 def _words(
-    run: Run, folder: Path, left: Path, operator_side: str, robot_side: str, report: str
+    run: Run, folder: Path, left: Path, operator_side: str, robot_side: str, report: str, control: str
 ) -> list[Words]:
     """The command lines of the three programs, in the order of their start."""
     scenario, robot = str(write_scenario(run, folder)), run.scenario.robot.kind
@@ -119,6 +122,7 @@ def _words(
             downlink=run.network.downlink.text,
             seed=run.seed,
             timeline=run.timeline,
+            control=control,
             stats=str(left / NETEM),
         ),
         RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(left / ROBOT)),

@@ -15,6 +15,7 @@ import msgspec
 
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
+from farhand.common.recording.fates import Fate
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.writer import RunRecorder
 from farhand.common.seeds import stream
@@ -169,20 +170,24 @@ class _World:
         if options.get("digest", False):
             _hash_traffic(operator_end, self._hasher.update)
         self._robot = self._make_robot(robot_end, options.get("robot"), closing)
-        self._netem = make_netem(netem_operator_end, netem_robot_end, run)
-        self._operator = self._make_operator(operator_end, options, closing)
+        session = session_of(run.seed, "operator")
+        self._recorder = _recorder(options.get("record_to"), run, session)
+        logs = [_FateLog(self, self._recorder)] if self._recorder is not None else []
+        self.netem = make_netem(netem_operator_end, netem_robot_end, run, logs)
+        self._operator = self._make_operator(operator_end, session, options, closing)
         self._add_nodes()
         for link in (netem_operator_end, netem_robot_end):
-            self._executor.wake_on_message(self._netem, link)
+            self._executor.wake_on_message(self.netem, link)
 
     def run(self) -> SimulationResult:
         """Until all is done, or the time is up."""
         run, operator = self._run, self._operator
         end_ns = _run(self._executor, operator, to_ns(run.time_limit), self._stop)
-        self._netem.check_conservation()
+        self.netem.check_conservation()
+        self.netem.tell_rest()
         results = RunResults(
             operator=self._operator_result(end_ns),
-            netem=self._netem.statistics(),
+            netem=self.netem.statistics(),
             robot=self._robot.summary(),
         )
         why = ""
@@ -206,8 +211,8 @@ class _World:
 
     def recording_trouble(self) -> str:
         """What the recording lacks, once it is closed."""
-        recorder = self._operator.recorder
-        if not isinstance(recorder, RunRecorder):
+        recorder = self._recorder
+        if recorder is None:
             return ""
         if recorder.missing:
             return f"{recorder.missing} ticks are missing: {recorder.trouble}"
@@ -222,19 +227,19 @@ class _World:
             scenario, link, scenario.robot.kind, session_of(self._run.seed, "robot"), robot
         )
 
-    def _make_operator(self, link: MemoryLink, options: Options, closing: ExitStack) -> OperatorNode:
+    def _make_operator(
+        self, link: MemoryLink, session: int, options: Options, closing: ExitStack
+    ) -> OperatorNode:
         scenario, name = self._run.scenario, self._run.scenario.robot.kind
         controller = options.get("controller")
         if controller is None:
             controller = make_controller(scenario.controller)
         prepare(controller)
         self._solver = controller.settings.solver
-        session = session_of(self._run.seed, "operator")
         operator = make_operator(scenario, link, OperatorIdentity(name, session, OPERATOR_NAME), controller)
-        recorder = _recorder(options.get("record_to"), self._run, session)
-        if recorder is not None:
-            closing.callback(recorder.close)
-        operator.recorder = recorder
+        if self._recorder is not None:
+            closing.callback(self._recorder.close)
+        operator.recorder = self._recorder
         operator.listeners.append(self._tally.add)
         if options.get("keep_reports", False):
             operator.listeners.append(self._reports.append)
@@ -243,7 +248,7 @@ class _World:
     def _add_nodes(self) -> None:
         executor = self._executor
         executor.add(self._robot, Priority.ROBOT)
-        executor.add(self._netem, Priority.NETEM)
+        executor.add(self.netem, Priority.NETEM)
         executor.add(self._operator, Priority.OPERATOR, _cost(self._run))
 
     def _operator_result(self, end_ns: int) -> OperatorResult:
@@ -265,6 +270,17 @@ class _World:
             solver=self._solver,
             last_report=tally.last,
         )
+
+
+class _FateLog:
+    """What became of every message, into the recording."""
+
+    def __init__(self, world: _World, recorder: RunRecorder) -> None:
+        self._world, self._recorder = world, recorder
+
+    def record(self, fate: Fate) -> None:
+        """See MessageLog."""
+        self._recorder.fate(fate, self._world.netem.origin_ns)
 
 
 def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int, stop: Callable[[], bool]) -> int:

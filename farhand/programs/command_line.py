@@ -133,6 +133,7 @@ class RecordWords(Words):
 
     out: str = ""
     connect: str = ""
+    netem: str = ""
     robot: str = ""
 
 

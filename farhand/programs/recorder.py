@@ -5,9 +5,11 @@ slow for a while, and one that comes late gets what was before.
 """
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import msgspec
 import zenoh
@@ -19,11 +21,15 @@ from farhand.common.process.outputs import check_writable, make_folder
 from farhand.common.process.security import local_only
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.recording.batch import TickBatch, TicksWanted
+from farhand.common.recording.fates import FATES_KEY, FateBatch, FatesWanted
 from farhand.common.recording.json_view import View
 from farhand.common.recording.records import Gap, RunInfo
 from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import SystemClock, local_timestamp, to_ns
 from farhand.foxglove.view import views_of
+from farhand.netem.control import control_endpoint
+
+B = TypeVar("B")
 
 ASK_EVERY, REST_EVERY = 0.2, 0.05
 ANSWER_WITHIN = 1.0
@@ -41,11 +47,13 @@ class RecorderOptions:
     Attributes:
         robot: the robot's name.
         connect: the operator's report endpoint.
+        netem: the emulator's control endpoint, for what became of every message; empty: not recorded.
         out: file to write; None: `runs/TIME-ROBOT.mcap`.
     """
 
     robot: str
     connect: str
+    netem: str = ""
     out: Path | None = None
 
 
@@ -57,18 +65,21 @@ class Recording:
         views: makes what is told beside the ticks.
 
     Attributes:
-        next: number of the first tick that is not in it.
+        next, next_fate: numbers of the first tick and fate that are not in it.
+        missing_fates: that an emulator kept no more.
+        first: number of the first tick that is.
         done: nothing more will come.
         whole: the operator's program said itself that this was all.
         file: None until the first batch.
     """
 
     def __init__(self, path: Path, views: Callable[[RunInfo], Sequence[View]] = views_of) -> None:
-        self.next = 0
+        self.next = self.first = 0
         self.done = self.whole = False
         self.file: RunFile | None = None
         self._path, self._views = path, views
-        self._session = 0
+        self._session = self._netem = 0
+        self.next_fate = self.missing_fates = 0
         self._last_ns = 0
 
     def take(self, batch: TickBatch) -> None:
@@ -96,6 +107,16 @@ class Recording:
             self.file.flush()
         self.done = self.whole = batch.ended
 
+    def take_fates(self, batch: FateBatch) -> None:
+        """Write what became of messages; what came before the run's first tick waits for the file."""
+        if self.file is None or batch.session != (self._netem or batch.session):
+            return
+        self._netem = batch.session
+        for fate in batch.fates:
+            self.file.fate(fate, batch.epoch_ns)
+        self.missing_fates += batch.first - self.next_fate
+        self.next_fate = batch.first + len(batch.fates)
+
     def close(self) -> None:
         """Finish the file."""
         self.done = True
@@ -106,7 +127,7 @@ class Recording:
         first = batch.ticks[0].number if batch.ticks else 0
         info = msgspec.structs.replace(batch.info, first_tick=first)
         self.file = RunFile(self._path, info, self._views(info))
-        self._session, self.next = info.session, first
+        self._session, self.next, self.first = info.session, first, first
 
 
 def recorder_program(options: RecorderOptions) -> int:
@@ -117,14 +138,22 @@ def recorder_program(options: RecorderOptions) -> int:
     connect = local_only(options.connect, "--connect")
     stop_event, clock = stop_event_on_signals(), SystemClock()
     recording = Recording(out)
-    session = open_session([connect])
-    say("record", f"waits for the operator of robot {robot!r} at {connect}; Ctrl-C ends it")
-    try:
-        _record(recording, session, robot, clock, stop_event)
-    finally:
-        recording.close()
-        session.close()  # type: ignore[no-untyped-call]
+    with ExitStack() as closing:
+        operator = closing.enter_context(_opened(connect))
+        netem = closing.enter_context(_opened(control_endpoint(options.netem))) if options.netem else None
+        closing.callback(recording.close)
+        say("record", f"waits for the operator of robot {robot!r} at {connect}; Ctrl-C ends it")
+        _record(recording, Sources(operator, netem, robot), clock, stop_event)
     return _conclude(recording, out, told=stop_event.is_set())
+
+
+@contextmanager
+def _opened(endpoint: str) -> Iterator[zenoh.Session]:
+    session = open_session([endpoint])
+    try:
+        yield session
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
 
 
 def _new_file(robot: str) -> Path:
@@ -133,14 +162,35 @@ def _new_file(robot: str) -> Path:
     return folder / f"{local_timestamp()}-{robot}.mcap"
 
 
-def _record(
-    recording: Recording, session: zenoh.Session, robot: str, clock: SystemClock, stop_event: threading.Event
-) -> None:
+class Sources:
+    """What is recorded from.
+
+    Args:
+        operator: session to the operator's program.
+        netem: session to the emulator; None: it is not recorded.
+        robot: the robot's name.
+    """
+
+    def __init__(self, operator: zenoh.Session, netem: zenoh.Session | None, robot: str) -> None:
+        self._operator, self._netem, self._key = operator, netem, ticks_key(robot)
+
+    def ticks(self, since: int) -> TickBatch | None:
+        """The ticks from a number on; None: nobody answers. Raises RunFileError where the answer cannot be read."""
+        return _ask(self._operator, self._key, TicksWanted(since=since), TickBatch)
+
+    def fates(self, since: int) -> FateBatch | None:
+        """The same of what became of messages."""
+        if self._netem is None:
+            return None
+        return _ask(self._netem, FATES_KEY, FatesWanted(since=since), FateBatch)
+
+
+def _record(recording: Recording, sources: Sources, clock: SystemClock, stop_event: threading.Event) -> None:
     heard_ns = clock.now_ns()
     told_ns: int | None = None
     said, pause = False, threading.Event()
     while not recording.done:
-        batch = _ask(session, robot, recording.next)
+        batch = sources.ticks(recording.next)
         now_ns = clock.now_ns()
         if told_ns is None and stop_event.is_set():
             told_ns = now_ns
@@ -149,6 +199,7 @@ def _record(
                 say("record", f"records run {batch.info.scenario.get('name', '')!r}")
             heard_ns = now_ns
             recording.take(batch)
+            _take_fates(recording, sources)
             if batch.more:
                 continue
         elif recording.file is not None and now_ns - heard_ns > GONE_AFTER_NS:
@@ -162,18 +213,25 @@ def _record(
             (stop_event if told_ns is None else pause).wait(ASK_EVERY if told_ns is None else REST_EVERY)
 
 
-def _ask(session: zenoh.Session, robot: str, since: int) -> TickBatch | None:
-    """The ticks from a number on; None: nobody answers."""
-    wanted = msgspec.json.encode(TicksWanted(since=since))
-    for reply in session.get(ticks_key(robot), payload=wanted, timeout=ANSWER_WITHIN):
+def _take_fates(recording: Recording, sources: Sources) -> None:
+    more = True
+    while more:
+        fates = sources.fates(recording.next_fate)
+        if fates is None:
+            return
+        recording.take_fates(fates)
+        more = fates.more
+
+
+def _ask(session: zenoh.Session, key: str, wanted: object, kind: type[B]) -> B | None:
+    payload = msgspec.json.encode(wanted)
+    for reply in session.get(key, payload=payload, timeout=ANSWER_WITHIN):
         if reply.ok is None:
             continue
         try:
-            return msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=TickBatch)
+            return msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=kind)
         except msgspec.MsgspecError as error:
-            raise RunFileError(
-                f"record: what the operator's program answers cannot be read: {error}; is it another version?"
-            ) from None
+            raise RunFileError(f"record: an answer cannot be read: {error}; is it another version?") from None
     return None
 
 
@@ -186,5 +244,12 @@ def _conclude(recording: Recording, out: Path, *, told: bool) -> int:
         say("record", f"{out}: {file.missing} ticks are missing: {file.trouble}")
     if not recording.whole and not told:
         say("record", "the operator's program is gone without a word; all that it had said is there")
-    say("record", f"{recording.next} ticks in {out}")
+    if recording.missing_fates:
+        say("record", f"of {recording.missing_fates} messages the emulator knows no more what became of them")
+    messages = (
+        f", what became of {recording.next_fate - recording.missing_fates} messages"
+        if recording.next_fate
+        else ""
+    )
+    say("record", f"{recording.next - recording.first} ticks{messages} in {out}")
     return 0 if not file.missing and (recording.whole or told) else 1

@@ -3,13 +3,13 @@
 import importlib.metadata
 import platform
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from farhand.common.link.link import Link
 from farhand.common.seeds import stream
 from farhand.netem.emulation import Emulation
-from farhand.netem.netem_node import NetemNode
+from farhand.netem.netem_node import MessageLog, NetemNode
 from farhand.netem.timeline import load_timeline
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
@@ -43,11 +43,11 @@ def make_operator(
     return OperatorNode(scenario, controller, device, link, who, stopwatch)
 
 
-def make_netem(operator_link: Link, robot_link: Link, run: Run) -> NetemNode:
-    """The run's emulated network between two links."""
+def make_netem(operator_link: Link, robot_link: Link, run: Run, logs: Sequence[MessageLog] = ()) -> NetemNode:
+    """The run's emulated network between two links; each of the logs takes the fate of every message."""
     schedule = load_timeline(run.timeline) if run.timeline else None
     emulation = Emulation(run.network.uplink.spec, run.network.downlink.spec, run.seed)
-    return NetemNode(operator_link, robot_link, emulation, schedule=schedule)
+    return NetemNode(operator_link, robot_link, emulation, schedule=schedule, logs=logs)
 
 
 def make_robot_node(

@@ -7,7 +7,7 @@ import zenoh
 
 from farhand.common.link.requests import Desk, Request, Requests
 from farhand.common.messages.keys import ticks_key
-from farhand.common.recording.batch import BATCH_BYTES, TickBatch, TicksWanted
+from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.common.recording.records import RunInfo
 from farhand.operator_side.tick_history import TickHistory
 
@@ -43,8 +43,7 @@ class TickServer:
             return None
         self._asked = True
         ended = self._ended  # before the ticks are looked at, so that "all" is not said too early
-        ticks = self._history.since(wanted.since, BATCH_BYTES)
-        more = self._history.more
+        ticks, more = self._history.since(wanted.since)
         return TickBatch(info=self._info, ticks=ticks, more=more, ended=ended and not more)
 
     def _look(self, request: Request | None) -> None:

@@ -90,7 +90,7 @@ class Transit:
         cause: why it is dropped; empty while it lives.
         copies: further copies that `duplicate` asks for.
         is_copy: whether it is such a copy.
-        corrupted: whether a bit was flipped.
+        corrupted: the bit of the payload that was flipped; -1: none.
         retransmissions: times that `tcp-like` sent it again.
         offer_again: it was lost but must not be, and takes the chain again at `release_ns`.
         stamps: what the round-trip measurement remembers of it.
@@ -106,7 +106,7 @@ class Transit:
     cause: str = ""
     copies: int = 0
     is_copy: bool = False
-    corrupted: bool = False
+    corrupted: int = -1
     retransmissions: int = 0
     offer_again: bool = False
     stamps: object = None
@@ -117,13 +117,24 @@ class Impairment(ABC):
 
     Attributes:
         below_zero: delays that it drew below zero and made zero.
+        rest: what of one that stands before DUPLICATE acts on each copy by itself, after it; None: nothing.
     """
 
     below_zero: int = 0
+    rest: "Impairment | None" = None
 
     @abstractmethod
     def apply(self, transit: Transit) -> None:
         """Decide: move `release_ns` later, or set `cause`, `copies`, `corrupted`. Never raises."""
+
+
+def flip(transit: Transit, bit: int) -> None:
+    """Flip one bit of a message's payload."""
+    packet = transit.packet
+    flipped = bytearray(packet.payload)
+    flipped[bit // 8] ^= 1 << (bit % 8)
+    transit.packet = Packet(packet.key, bytes(flipped), packet.arrived_ns, packet.envelope)
+    transit.corrupted = bit
 
 
 class LossModel(Impairment):
@@ -211,6 +222,7 @@ class Word(msgspec.Struct, frozen=True):
         stage: its place in the chain.
         scope: whose memory it has.
         repairs: whether what the chain loses is sent again; such a word has `around` in place of `build`.
+        alone: whether it is a whole network, beside which no other word has a place.
     """
 
     name: ClassVar[str]
@@ -220,6 +232,7 @@ class Word(msgspec.Struct, frozen=True):
     stage: ClassVar[Stage]
     scope: ClassVar[Scope] = Scope.FLOW
     repairs: ClassVar[bool] = False
+    alone: ClassVar[bool] = False
 
     @classmethod
     def parse(cls, reader: "SpecReader") -> "Word":

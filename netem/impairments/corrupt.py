@@ -4,8 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from farhand.common.link.link import Packet
-from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word, flip
 from farhand.netem.impairments.loss_random import RandomEvents
 from farhand.netem.words.reader import SpecReader, percent_text
 
@@ -52,11 +51,5 @@ class _Corrupt(Impairment):
         if not self._events.draw():
             return
         place = float(self._random())
-        packet = transit.packet
-        if transit.cause or not packet.payload:
-            return
-        flipped = bytearray(packet.payload)
-        bit = int(place * 8 * len(flipped))
-        flipped[bit // 8] ^= 1 << (bit % 8)
-        transit.packet = Packet(packet.key, bytes(flipped), packet.arrived_ns, packet.envelope)
-        transit.corrupted = True
+        if not transit.cause and transit.packet.payload:
+            flip(transit, int(place * 8 * len(transit.packet.payload)))

@@ -28,6 +28,7 @@ BUILT_IN = {
     "reorder": f"{_HERE}.reorder:Reorder",
     "outage": f"{_HERE}.outage:Outage",
     "tcp-like": f"{_HERE}.tcp_like:TcpLike",
+    "recorded": f"{_HERE}.recorded:Recorded",
     "model": f"{_HERE}.modelled:ModelWord",
     **dict.fromkeys(PROFILES, f"{_HERE}.modelled:ProfileWord"),
 }

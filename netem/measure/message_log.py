@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from farhand.common.errors import InputError
+from farhand.common.recording.fates import Fate
 from farhand.common.timing.handoff import Handoff
-from farhand.netem.impairments.base import Transit
 
 COLUMNS = "direction,key,ordinal,copy,size,arrived_ns,drawn_ns,assigned_ns,achieved_ns,fate"
 MAX_ROWS = 20_000_000
@@ -29,11 +29,8 @@ ROW = np.dtype(
         ("fate", "U16"),
     ]
 )
-"""A row: arrival on the emulator's clock since the first row's, the delay drawn by the delay word, the
+"""A row: arrival since the first message, the delay drawn by the delay word, the
 delay assigned by the whole chain, the delay achieved (-1: dropped), and "delivered" or the cause."""
-
-
-_Row = tuple[str, str, int, bool, int, int, int, int, int, str]
 
 
 class CsvLog:
@@ -53,39 +50,22 @@ class CsvLog:
             self._file: io.TextIOWrapper = open(path, "w", encoding="utf-8")  # noqa: SIM115
         except OSError as error:
             raise InputError(f"log {path}: cannot be written: {error.strerror}") from None
-        self._origin_ns: int | None = None
         self._taken = 0
         self._unwritten = 0
         self._lines, self._size = [COLUMNS], 0  # not written yet
-        self._rows: Handoff[_Row] = Handoff(self._write, "message-log", WAITING_ROWS)
+        self._rows: Handoff[Fate] = Handoff(self._write, "message-log", WAITING_ROWS)
 
     @property
     def missing(self) -> int:
         """See the class."""
         return self._rows.lost + self._unwritten
 
-    def record(self, direction: str, transit: Transit, released_ns: int | None) -> None:
+    def record(self, fate: Fate) -> None:
         """Hand over one message's row; never waits."""
         if self._taken >= MAX_ROWS:
             return
         self._taken += 1
-        if self._origin_ns is None:
-            self._origin_ns = transit.arrived_ns
-        placed = self._rows.put(
-            (
-                direction,
-                transit.packet.key,
-                transit.ordinal,
-                transit.is_copy,
-                transit.size,
-                transit.arrived_ns - self._origin_ns,
-                transit.delay_ns,
-                transit.release_ns - transit.arrived_ns,
-                -1 if released_ns is None else released_ns - transit.arrived_ns,
-                transit.cause or "delivered",
-            )
-        )
-        if not placed and not self.trouble:
+        if not self._rows.put(fate) and not self.trouble:
             self.trouble = "the disk is too slow"
 
     def troubles(self) -> dict[str, str]:
@@ -101,13 +81,13 @@ class CsvLog:
         except OSError as error:
             self._fail(error, 1)
 
-    def _write(self, row: _Row) -> None:
-        direction, key, ordinal, is_copy, *rest = row
+    def _write(self, fate: Fate) -> None:
         if self._unwritten:  # a file with a hole in the middle of a row is none
             self._unwritten += 1
             return
-        key = key.replace(",", "_").replace("\n", "_")
-        cells = (direction, key, ordinal, int(is_copy), *rest)
+        key = fate.key.replace(",", "_").replace("\n", "_")
+        times = fate.arrived_ns, fate.drawn_ns, fate.assigned_ns, fate.achieved_ns
+        cells = (fate.direction, key, fate.number, int(fate.copy), fate.size, *times, fate.fate)
         self._lines.append(",".join(map(str, cells)))
         self._size += len(self._lines[-1])
         if self._size >= _BUFFER:

@@ -153,9 +153,9 @@ def test_duplicates_have_delays_of_their_own():
 def test_corrupt_flips_exactly_one_bit():
     for transits in run("corrupt:100%", range(200), size=16):
         ones = sum(bin(byte).count("1") for byte in transits[0].packet.payload)
-        assert transits[0].corrupted
+        assert transits[0].corrupted >= 0
         assert ones == 1
-    assert not run("corrupt:100%", [0], size=0)[0][0].corrupted
+    assert run("corrupt:100%", [0], size=0)[0][0].corrupted < 0
 
 
 def fates(text, keys, seed=1):

@@ -68,7 +68,7 @@ def drive(spec, messages, limits):
     operator, near = memory_wire()
     far, robot = memory_wire()
     log = Record()
-    node = NetemNode(near, far, Emulation(parse_spec(spec), parse_spec(spec), 3, limits=limits), log=log)
+    node = NetemNode(near, far, Emulation(parse_spec(spec), parse_spec(spec), 3, limits=limits), logs=[log])
     now = MS
     for pause, up, key, size in messages:
         now += pause * MS

@@ -190,7 +190,7 @@ def test_the_operators_loop(watch):
     thread.join(PATIENCE)
     handover.close()
     assert len(reports.receive()) == course.tally.ticks == len(course.series.samples())
-    assert len(node.recorder.since(0, 1 << 20)) == course.tally.ticks
+    assert len(node.recorder.since(0)[0]) == course.tally.ticks
     teller.close()
     assert "no state from the robot yet" in watched.terminal.getvalue()
     assert not failed
@@ -225,7 +225,7 @@ class Emulator:
         self.path, clock = tmp_path / "log.csv", SystemClock()
         self.log = CsvLog(self.path)
         spec = parse_spec("constant:1")
-        self.node = NetemNode(operator_end, robot_end, Emulation(spec, spec, 1), log=self.log)
+        self.node = NetemNode(operator_end, robot_end, Emulation(spec, spec, 1), logs=[self.log])
         self.over = threading.Event()
         self.loop = RealtimeLoop(
             self.node, clock, message_driven=True, realtime=False, until=lambda _: self.over.is_set()

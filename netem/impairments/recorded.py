@@ -1,0 +1,184 @@
+"""`recorded:RUN`: what became of every message in a recorded run, again.
+
+A message gets the fate of the one that was recorded nearest to the same time since the first message, of the same key
+or else of the same kind: the same losses, copies, flipped bits and delays. Where the same messages come at the same
+times, as in virtual time, their fates are the very same; where they come at another rate, the network is. After its
+end the recording begins anew.
+"""
+
+from bisect import bisect_left
+from collections import defaultdict
+from functools import lru_cache
+from pathlib import Path
+from typing import ClassVar
+
+import msgspec
+
+from farhand.common.errors import RunFileError
+from farhand.common.messages.keys import kind_of
+from farhand.common.recording.fates import DELIVERED, FATE_TOPICS, ON_THE_WAY, Fate
+from farhand.common.recording.reader import Entry, RunReader
+from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word, flip
+from farhand.netem.words.reader import SpecReader, path_text
+
+RECORDING = "run.mcap"
+
+
+class Recorded(Word, frozen=True):
+    """Attributes:
+    path: a run's folder or its file.
+    """
+
+    path: str
+    name: ClassVar[str] = "recorded"
+    example: ClassVar[str] = "recorded:runs/20260131-235959-ur5-obstacle"
+    description: ClassVar[str] = "what became of every message in a recorded run, again"
+    kind: ClassVar[str] = "recorded"
+    stage: ClassVar[Stage] = Stage.DUPLICATE
+    alone: ClassVar[bool] = True
+
+    @classmethod
+    def parse(cls, reader: SpecReader) -> "Recorded":
+        """`:RUN`."""
+        reader.expect(":", "the run's folder or file")
+        return cls(reader.path("the run's folder or file"))
+
+    def text(self) -> str:
+        """Canonical word."""
+        return f"{self.name}:{path_text(self.path)}"
+
+    def prepare(self) -> None:
+        """Read the file; raises RunFileError."""
+        recorded_fates(self.path)
+
+    def build(self, context: ImpairmentContext) -> Impairment:
+        """The fates of one key's messages, again."""
+        return _Again(recorded_fates(self.path), context)
+
+
+class Course:
+    """What became of the messages of one key in one direction.
+
+    Args:
+        fates: of each message, in order of arrival: its own and those of its copies; empty: it was never seen again.
+        arrivals_ns: since the first message of any key (ns).
+        length_ns: of the recording.
+    """
+
+    def __init__(self, arrivals_ns: list[int], fates: list[list[Fate]], length_ns: int) -> None:
+        self._arrivals_ns, self._fates, self._length_ns = arrivals_ns, fates, length_ns
+
+    def at(self, instant_ns: int) -> list[Fate]:
+        """Of the message that was nearest to an instant."""
+        within = instant_ns % self._length_ns if instant_ns > self._arrivals_ns[-1] else instant_ns
+        after = bisect_left(self._arrivals_ns, within)
+        if after == len(self._arrivals_ns):
+            return self._fates[-1]
+        if after and within - self._arrivals_ns[after - 1] < self._arrivals_ns[after] - within:
+            after -= 1
+        return self._fates[after]
+
+
+class Fates:
+    """All of a recording.
+
+    Args:
+        courses: by direction and key.
+    """
+
+    def __init__(self, courses: dict[tuple[str, str], Course]) -> None:
+        self._courses = courses
+
+    def of(self, direction: str, key: str) -> Course | None:
+        """Of a key, else of one of the same kind; None: there was none."""
+        found = self._courses.get((direction, key))
+        if found is not None:
+            return found
+        kind = kind_of(key)
+        alike = (
+            course
+            for (way, other), course in self._courses.items()
+            if way == direction and kind_of(other) == kind
+        )
+        return next(alike, None)
+
+
+def recorded_fates(path: str) -> Fates:
+    """A recording's network; raises RunFileError."""
+    file = Path(path)
+    if file.is_dir():
+        file /= RECORDING
+    if not file.is_file():
+        raise RunFileError(f"recorded:{path}: no such file; expected a run's folder or its {RECORDING}")
+    return _read(file, path, file.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=4)
+def _read(file: Path, path: str, _changed_ns: int) -> Fates:
+    reader = RunReader(file)
+    decode = msgspec.json.Decoder(Fate).decode
+    rows: dict[tuple[str, str], dict[int, list[Fate]]] = defaultdict(dict)
+    topics = set(FATE_TOPICS.values())
+    last_ns = 0
+    try:
+        for item in reader.items(lambda topic: topic in topics):
+            if isinstance(item, Entry):
+                fate = decode(item.data)
+                rows[fate.direction, fate.key].setdefault(fate.number, []).append(fate)
+                last_ns = max(last_ns, fate.arrived_ns)
+    except msgspec.MsgspecError as error:
+        raise RunFileError(f"recorded:{path}: the network in it cannot be read: {error}") from None
+    if not rows:
+        raise RunFileError(
+            f"recorded:{path}: holds no network; it is recorded by `farhand record --netem ENDPOINT`, the demo and "
+            "`farhand simulate`"
+        )
+    return Fates({key: _course(numbered, last_ns) for key, numbered in rows.items()})
+
+
+def _course(numbered: dict[int, list[Fate]], last_ns: int) -> Course:
+    """Messages whose number is missing were on the way when the recording ended, and are left out."""
+    ordered = [sorted(fates, key=lambda fate: fate.copy) for _, fates in sorted(numbered.items())]
+    ordered.sort(key=lambda fates: fates[0].arrived_ns)
+    arrivals = [fates[0].arrived_ns for fates in ordered]
+    spacing = (arrivals[-1] - arrivals[0]) // (len(arrivals) - 1) if len(arrivals) > 1 else 0
+    return Course(arrivals, ordered, max(1, last_ns + spacing))
+
+
+class _Again(Impairment):
+    """At the beginning of the chain it says whether a message is lost and how often it comes; at its end `rest` says of
+    each copy when."""
+
+    def __init__(self, fates: Fates, context: ImpairmentContext) -> None:
+        self._fates, self._context = fates, context
+        self._course: Course | None = None
+        self._known = False
+        self.waiting: list[Fate] = []
+        self.rest = _Rest(self)
+
+    def apply(self, transit: Transit) -> None:
+        if not self._known:
+            self._known = True
+            self._course = self._fates.of(self._context.direction, transit.packet.key)
+        if self._course is None:
+            return
+        self.waiting = list(self._course.at(transit.arrived_ns - self._context.origin_ns))
+        transit.copies += len(self.waiting) - 1
+
+
+class _Rest(Impairment):
+    """What became of one copy."""
+
+    def __init__(self, again: _Again) -> None:
+        self._again = again
+
+    def apply(self, transit: Transit) -> None:
+        if not self._again.waiting:
+            return
+        fate = self._again.waiting.pop(0)
+        transit.delay_ns = fate.drawn_ns
+        transit.release_ns = transit.arrived_ns + fate.assigned_ns
+        if fate.fate not in (DELIVERED, ON_THE_WAY):
+            transit.cause = transit.cause or fate.fate
+        elif 0 <= fate.corrupted < 8 * len(transit.packet.payload):
+            flip(transit, fate.corrupted)
