@@ -10,12 +10,21 @@ from farhand.common.process.called import called
 from farhand.common.process.console import page
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
+from farhand.demo.camera import with_camera
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
-from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords, Words
+from farhand.programs.command_line import (
+    CameraWords,
+    ConsoleWords,
+    NetemWords,
+    OperatorWords,
+    RobotWords,
+    Words,
+)
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.programs.wiring import OPERATOR_NAME
+from farhand.robot_side.camera.settings import OFF
 from farhand.runs.conclude import conclude
 from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
@@ -26,8 +35,18 @@ MEMORY = "/dev/shm"
 NAMES = ("netem", "robot", "operator", "console")
 
 
-def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, browser: bool = False) -> int:
+def run_demo(
+    run: Run,
+    *,
+    out: Path | None,
+    as_json: bool,
+    force: bool = False,
+    browser: bool = False,
+    camera: str = OFF,
+) -> int:
     """Run the demo, by hand in a `browser` or by itself; returns its exit code: 0 safe and finished, 1 otherwise.
+
+    With a `camera`, other than off, a program shows the robot to the browser.
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
@@ -40,7 +59,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
     with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
         left = Path(left_in)
-        why = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
+        why = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser, camera)
         code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left)
     if not as_json and not browser:
         console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
@@ -58,11 +77,17 @@ def _memory() -> str | None:
 
 
 def _run_programs(
-    run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView, *, browser: bool
+    run: Run,
+    folder: Path,
+    left: Path,
+    stop_event: threading.Event,
+    view: StatusView,
+    browser: bool,
+    camera: str,
 ) -> str:
     """Start the three, and a console if a browser steers, show their progress, end them; returns what went wrong."""
     clock = SystemClock()
-    *ports, page = free_ports(4)
+    *ports, page, beside_robot = free_ports(5)
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in ports)
     children = Children(folder, clock)
     reader: ReportReader | None = None
@@ -73,6 +98,8 @@ def _run_programs(
             listen = f"127.0.0.1:{page}"
             wanted.append(ConsoleWords(connect=report, listen=listen, robot=name, opens=has_desktop()))
             view.note(f"drive at http://{listen}/")
+        if camera != OFF:
+            wanted = with_camera(wanted, camera, f"tcp/127.0.0.1:{beside_robot}")
         for words in wanted:
             children.start(words.COMMAND, words.words())
         view.note(
@@ -82,6 +109,9 @@ def _run_programs(
         with view:
             while True:
                 ended = children.ended()
+                if ended.pop(CameraWords.COMMAND, None) is not None and camera != OFF:
+                    camera = OFF  # drive on without
+                    view.note(f"no camera any more: {children.last_words(CameraWords.COMMAND)}")
                 view.update(reader.read(), clock.now_ns(), reader.connected())
                 if ended or stop_event.wait(0.1):
                     break

@@ -33,7 +33,9 @@ def noise(width, height, seed, channels=3):
     st.integers(0, 99),
     subsampling,
 )
-def test_a_stamp_survives_jpeg_of_any_quality_in_a_picture_of_any_size(ns, quality, width, height, seed, ways):
+def test_a_stamp_survives_jpeg_of_any_quality_in_a_picture_of_any_size(
+    ns, quality, width, height, seed, ways
+):
     picture = noise(width, height, seed)
     draw_strip(picture, ns)
     jpeg = simplejpeg.encode_jpeg(picture, quality, "RGB", ways)
