@@ -10,8 +10,9 @@ import numpy as np
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.shapes.obstacle import moved
+from farhand.common.shapes.plane import Plane
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.camera.ground import Eye, ground
+from farhand.robot_side.camera.ground import Eye, backdrop
 from farhand.robot_side.camera.lit_meshes import with_lit_meshes
 from farhand.robot_side.camera.settings import VIEW, CameraSettings, Pictures
 from farhand.robot_side.camera.source import Seen, Shot
@@ -44,7 +45,8 @@ class BulletView:
         self._size = pictures.width, pictures.height
         self._arm = chosen_arm(robot) if robot.kind in _ARMS else None
         self._eye = eye_of(settings)
-        self._empty, self._ground_depth = ground(self._eye, *self._size)
+        self._planes: tuple[Obstacle, ...] = ()
+        self._backdrop = backdrop(self._eye, *self._size)
         self._bullet, self._client = connect()
         self._body, self._joints = self._load(self._arm, robot.radius)
         self._obstacles = _DrawnObstacles(self._bullet, self._client, self._body)
@@ -65,7 +67,7 @@ class BulletView:
         self.trouble = ""
         self._drawn = state.session, state.seq
         self._pose(state)
-        self._obstacles.show(_obstacles_at(seen.scene, state.t_sample_ns))
+        self._place(_obstacles_at(seen.scene, state.t_sample_ns))
         return Shot(self._picture(), state.session, state.t_sample_ns)
 
     def close(self) -> None:
@@ -115,8 +117,14 @@ class BulletView:
                 self._body, state.position, (x, y, z, w), physicsClientId=client
             )
 
+    def _place(self, obstacles: tuple[Obstacle, ...]) -> None:
+        planes = tuple(each for each in obstacles if isinstance(each.shape, Plane))
+        if planes != self._planes:
+            self._planes, self._backdrop = planes, backdrop(self._eye, *self._size, planes)
+        self._obstacles.show(tuple(each for each in obstacles if not isinstance(each.shape, Plane)))
+
     def _picture(self) -> Picture:
-        """What is drawn, before the ground: whichever is nearer to the eye."""
+        """What is drawn, before its backdrop: whichever is nearer to the eye."""
         bullet, (width, height) = self._bullet, self._size
         _, _, colours, depths, _ = bullet.getCameraImage(
             width,
@@ -130,8 +138,8 @@ class BulletView:
         drawn = np.asarray(colours, np.uint8).reshape(height, width, 4)
         buffer = np.asarray(depths, np.float32).reshape(height, width)
         depth = FAR * NEAR / (FAR - (FAR - NEAR) * buffer)
-        there = (buffer < 1.0) & (depth < self._ground_depth)
-        return np.where(there[:, :, None], drawn, self._empty)
+        there = (buffer < 1.0) & (depth < self._backdrop.depth)
+        return np.where(there[:, :, None], drawn, self._backdrop.picture)
 
 
 class _DrawnObstacles(BulletObstacles):

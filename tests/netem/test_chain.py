@@ -41,7 +41,7 @@ def test_rate_drops_what_does_not_fit_the_queue():
 def test_camera_gives_way_on_the_link_that_it_shares():
     chain = Chain(parse_spec("rate:1mbit"), 1, "downlink")
     offer(chain, 0, "farhand/r/camera/front", 100_000)
-    assert offer(chain, 1, "farhand/r/state", 100)[0].release_ns == 1.8 * MS
+    assert offer(chain, 1, "farhand/r/state", 100)[0].release_ns == 1_800_001
     chain = Chain(parse_spec("rate:1mbit"), 1, "downlink")
     offer(chain, 0, "farhand/r/video", 100_000)  # whatever is of no class of its own does not
     assert offer(chain, 1, "farhand/r/state", 100)[0].release_ns > 800 * MS

@@ -1,8 +1,10 @@
 """`farhand camera` as a program: through the emulator to an operator's program and on to its consoles."""
 
 import os
+import re
 import signal
 import threading
+from pathlib import Path
 
 import pytest
 import simplejpeg
@@ -11,22 +13,23 @@ from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import open_session
 from farhand.common.messages.camera import CameraFrame
 from farhand.common.messages.codec import Decoder
-from farhand.common.messages.keys import mirror_key
+from farhand.common.messages.keys import camera_key, mirror_key
 from farhand.programs.command_line import CameraWords, NetemWords, OperatorWords, RobotWords
 from farhand.robot_side.camera.strip import read_strip
 from farhand.testing import Programs, Witness, short_task
 from farhand.testing.programs import PATIENCE
 
 pytestmark = pytest.mark.realtime
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "camera.md"
 
 
 class Pictures:
     """What a console would get."""
 
-    def __init__(self, endpoint):
-        self.session, self.frames = open_session([endpoint]), []
+    def __init__(self, session, key):
+        self.session, self.frames = session, []
         self._changed, self._decoder = threading.Condition(), Decoder(CameraFrame)
-        self._subscriber = self.session.declare_subscriber(mirror_key("r", "camera"), self._take)
+        self._subscriber = session.declare_subscriber(key, self._take)
 
     def _take(self, sample):
         with self._changed:
@@ -41,7 +44,7 @@ class Pictures:
             return self.frames[-count:]
 
 
-def test_pictures_come_over_the_network_stop_with_the_robot_and_cost_the_robot_nothing(tmp_path):
+def test_pictures_come_over_the_network_stop_with_the_robot_and_leave_it_alone(tmp_path):
     near, far, beside, report = (f"tcp/127.0.0.1:{port}" for port in free_ports(4))
     scenario = str(short_task(tmp_path))
     with Programs(tmp_path) as programs:
@@ -57,7 +60,7 @@ def test_pictures_come_over_the_network_stop_with_the_robot_and_cost_the_robot_n
         )
         start(OperatorWords(scenario=scenario, robot="r", connect=(near,), report=report))
         camera.wait_for("160x120 at 20 Hz")
-        pictures, robots = Pictures(report), Witness(beside)
+        pictures, robots = Pictures(open_session([report]), mirror_key("r", "camera")), Witness(beside)
         try:
             found = pictures.wait_for(20)
             numbers = [each.seq for each in found]
@@ -80,3 +83,18 @@ def test_pictures_come_over_the_network_stop_with_the_robot_and_cost_the_robot_n
         finally:
             robots.close()
             pictures.session.close()
+
+
+def test_any_program_may_publish_pictures_as_the_page_shows():
+    endpoint = f"tcp/127.0.0.1:{free_ports(1)[0]}"
+    pictures = Pictures(open_session(listen=[endpoint]), camera_key("ur5"))
+    code = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[0]
+    publisher = threading.Thread(
+        target=exec, args=(code.replace("tcp/127.0.0.1:7448", endpoint), {}), daemon=True
+    )
+    publisher.start()
+    found = pictures.wait_for(1)[0]
+    assert (found.camera, found.robot_session, found.source) == ("mine", 0, "ur5")
+    assert simplejpeg.decode_jpeg(found.jpeg).shape == (240, 320, 3)
+    publisher.join(PATIENCE)
+    pictures.session.close()
