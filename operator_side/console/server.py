@@ -193,10 +193,11 @@ class Server:
                 return
             if isinstance(said, Hello):
                 continue
-            pictured = isinstance(said, Pictured) and self._console.camera.pictured(number)
-            if not pictured and (
-                isinstance(said, Pictured) or not self._console.hear(number, said, self._now_ns())
-            ):
+            if isinstance(said, Pictured):
+                stays = self._console.camera.pictured(number)
+            else:
+                stays = self._console.hear(number, said, self._now_ns())
+            if not stays:
                 self._tell(f"page {number} is let go: it says too much")
                 await socket.close(TOO_MANY, "this page says too much")
                 return
