@@ -19,6 +19,7 @@ SEVERAL = 2.5
 TELL_AGAIN, GIVE_UP = 0.5, 2.0
 """How often it is said again, and after how long a page that has not acknowledged a picture gets another one (s)."""
 MOST_UNASKED = 50
+"""Acknowledgements of nothing, beyond those that were due: a page that was given up on says some late."""
 _BURST = 1.5  # pictures
 _SLOWEST = 5.0  # s between two pictures of a slow camera
 
@@ -94,6 +95,7 @@ class CameraFeed:
                 shown.unasked += 1
             return shown is not None and shown.unasked <= MOST_UNASKED
         shown.on_its_way = False
+        shown.unasked = max(0, shown.unasked - 1)
         return True
 
     def leave(self, number: int) -> None:

@@ -122,6 +122,19 @@ def test_a_page_that_acknowledges_what_it_was_not_sent_is_let_go():
     assert not feed.pictured(1)
 
 
+def test_a_page_that_is_given_up_on_now_and_then_is_never_let_go():
+    feed, now = fed(), SECOND
+    for seq in range(120):  # each picture is acknowledged after the next one was sent in its place
+        feed.take(Packet(mirror_key("r", "camera"), encode(frame(2 * seq)), now))
+        assert feed.next(1, now)["jpeg"]
+        now += 2 * SECOND
+        feed.take(Packet(mirror_key("r", "camera"), encode(frame(2 * seq + 1)), now))
+        assert feed.next(1, now)["jpeg"]
+        assert feed.pictured(1)
+        assert feed.pictured(1)
+        now += 100 * MS
+
+
 def test_no_camera_one_that_stops_and_one_that_shows_what_is_old_are_said():
     feed, now = fed(), SECOND
     assert feed.next(1, now)["said"] == "no camera: no picture has come"
