@@ -19,6 +19,7 @@ from farhand.netem.impairments.base import (
     Transit,
     Word,
 )
+from farhand.netem.impairments.low_lane import LOW_CLASSES
 from farhand.netem.impairments.outage import OutageStage, Windows
 from farhand.netem.spec import CLASSES, Spec
 
@@ -143,7 +144,9 @@ class Chain:
         for word, own in words:
             owner = message_class if own else ""
             if word.repairs:
-                repair = (word, self._connections.setdefault(owner, Connection()))
+                # What gives way travels apart, or its large messages would hold the others up by their order.
+                line = message_class if message_class in LOW_CLASSES else owner
+                repair = (word, self._connections.setdefault(line, Connection()))
                 continue
             if word.scope is Scope.LINK:
                 built = self._shared.setdefault(owner, {})

@@ -189,6 +189,9 @@ class NetemNode:
         if transit.offer_again:
             self._offer_again(direction, transit, statistics, now_ns)
             return
+        if transit.pending is not None and (transit.cause or transit.pending.puts_off(now_ns)):
+            self._queue(direction, transit, statistics)
+            return
         packet = transit.packet
         packet.arrived_ns = now_ns
         direction.target.send(packet)

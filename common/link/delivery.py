@@ -52,6 +52,8 @@ CLASSES: Mapping[str, Delivery] = {
 
 
 def class_of(key: str) -> str:
-    """The class of a key, the name of its row."""
+    """The class of a key, the name of its row; a mirrored picture is a picture still."""
     kind = kind_of(key)
+    if kind == "mirror" and key.endswith("/camera"):
+        return "camera"
     return kind if kind in CLASSES else OTHER

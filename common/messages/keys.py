@@ -39,6 +39,11 @@ def description_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/description"
 
 
+def camera_key(robot: str) -> str:
+    """A camera on the robot's side to operator: CameraFrame."""
+    return f"{PREFIX}/{robot}/camera"
+
+
 def report_key(robot: str) -> str:
     """Operator to its own console and recorder: ControlReport."""
     return f"{PREFIX}/{robot}/report"

@@ -120,4 +120,4 @@ def guard(
 
 def tool_place(folder: TlsFolder) -> str:
     """The place of a tool's session, which uses the certificate of the program beside it."""
-    return folder.own.role if folder.own.role in ("operator", "robot", "observer") else "router"
+    return folder.own.role if folder.own.role in ("operator", "robot", "camera", "observer") else "router"

@@ -7,6 +7,7 @@ keys are those of the robots that the certificate is named for:
 |---|---|---|
 | operator | the command of its robots | state, scene and camera of its robots |
 | robot | its own state, scene and camera | its own command |
+| camera | the camera of its robots | state, scene and description of its robots |
 | netem, router | what the other side of it may send to us | everything |
 | observer | nothing | everything of its robots |
 
@@ -19,6 +20,7 @@ from farhand.common.messages.keys import (
     PREFIX,
     about_key,
     alive_key,
+    camera_key,
     command_key,
     description_key,
     report_key,
@@ -77,6 +79,8 @@ def readable(own: Member) -> tuple[str, ...]:
         return tuple(map(command_key, own.robots))
     if own.role == "operator":
         return _seen(own.robots)
+    if own.role == "camera":
+        return _told(own.robots)
     if own.role == "observer":
         return _observed(own.robots)
     return _EVERYTHING
@@ -92,6 +96,12 @@ def _rules(other: Member, own: Member) -> list[Rule]:
         ]
     if other.role == "observer":
         return _reader(robots, _observed(robots))
+    if other.role == "camera":
+        return [
+            *_reader(robots, _told(robots)),
+            ("ingress", ("put",), _pictured(robots)),
+            ("ingress", ("liveliness_token",), tuple(alive_key(r, "camera") for r in robots)),
+        ]
     if other.role == "robot":
         about = tuple(about_key(r, "robot") for r in robots)
         return [
@@ -108,6 +118,8 @@ def _rules(other: Member, own: Member) -> list[Rule]:
             sent = _seen(own.robots)
         elif own.role == "robot":
             sent = tuple(map(command_key, own.robots))
+        elif own.role == "camera":
+            sent = _told(own.robots)
         elif own.role == "observer":
             sent = _observed(own.robots)
         else:
@@ -135,13 +147,19 @@ def _reader(robots: tuple[str, ...], keys: tuple[str, ...]) -> list[Rule]:
     ]
 
 
+def _told(robots: tuple[str, ...]) -> tuple[str, ...]:
+    """What a robot says of itself: state, scene, description."""
+    return tuple(key for r in robots for key in (state_key(r), scene_key(r), description_key(r)))
+
+
+def _pictured(robots: tuple[str, ...]) -> tuple[str, ...]:
+    """What cameras show of it."""
+    return tuple(f"{camera_key(r)}/**" for r in robots)
+
+
 def _seen(robots: tuple[str, ...]) -> tuple[str, ...]:
-    """What a robot tells: state, scene, description, camera."""
-    return tuple(
-        key
-        for r in robots
-        for key in (state_key(r), scene_key(r), description_key(r), f"{PREFIX}/{r}/camera/**")
-    )
+    """What an operator sees of a robot: what it says, and what cameras show."""
+    return tuple(key for r in robots for key in (*_told((r,)), *_pictured((r,))))
 
 
 def _observed(robots: tuple[str, ...]) -> tuple[str, ...]:

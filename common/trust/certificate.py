@@ -15,7 +15,7 @@ from cryptography.x509.oid import NameOID
 from farhand.common.errors import CertificateError
 from farhand.common.timing.clock import utc_after, utc_seconds
 
-ROLES = ("operator", "robot", "netem", "router", "observer")
+ROLES = ("operator", "robot", "camera", "netem", "router", "observer")
 ROBOT_URI = "farhand:robot:"
 WARN_DAYS = 30.0
 _DAY = 86_400.0

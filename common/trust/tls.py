@@ -19,12 +19,13 @@ from farhand.common.trust.certificate import Member, read_certificate, signed_by
 from farhand.common.trust.expiry import ExpiryThread, ending_line
 
 ACCEPTED = {
-    "operator": ("netem", "router", "robot", "observer"),
-    "robot": ("netem", "router", "operator", "observer"),
+    "operator": ("netem", "router", "robot", "camera", "observer"),
+    "robot": ("netem", "router", "operator", "camera", "observer"),
+    "camera": ("netem", "router", "robot", "operator", "observer"),
     "netem-operator": ("operator", "observer", "netem", "router"),
-    "netem-robot": ("robot", "observer", "netem", "router"),
-    "router": ("operator", "robot", "netem", "router", "observer"),
-    "observer": ("netem", "router", "robot", "operator"),
+    "netem-robot": ("robot", "camera", "observer", "netem", "router"),
+    "router": ("operator", "robot", "camera", "netem", "router", "observer"),
+    "observer": ("netem", "router", "robot", "camera", "operator"),
 }
 """Roles that a session of a place deals with."""
 

@@ -36,11 +36,11 @@ def init(
 
 @certs_app.command()
 def issue(
-    role: Annotated[str, typer.Argument(help="operator, robot, netem, router or observer.")],
+    role: Annotated[str, typer.Argument(help="operator, robot, camera, netem, router or observer.")],
     name: Annotated[str, typer.Argument(help="Name of the member; a robot's is the robot's name.")],
     robot: Annotated[
         list[str] | None,
-        typer.Option(help="Robot that an operator may steer or an observer see; repeatable."),
+        typer.Option(help="Robot that an operator may steer, a camera show or an observer see; repeatable."),
     ] = None,
     host: Annotated[
         list[str] | None,

@@ -128,6 +128,39 @@ def robot(
     raise typer.Exit(robot_program(chosen, _access(7448, connect, listen, tls, insecure, router), options))
 
 
+def camera(
+    camera: Annotated[
+        str,
+        typer.Option(
+            metavar="pybullet | device:PATH",
+            help="A view of the simulated robot, or a real camera such as device:/dev/video0.",
+        ),
+    ] = "pybullet",
+    scenario: ScenarioOption = "ur5-obstacle",
+    settings: SetOption = None,
+    connect: ConnectOption = None,
+    listen: ListenOption = None,
+    robot: RobotOption = "ur5",
+    size: Annotated[str, typer.Option(metavar="WIDTHxHEIGHT", help="Of a picture, in pixels.")] = "320x240",
+    rate: Annotated[float, typer.Option(help="Pictures a second, 0.5 to 60.")] = 20.0,
+    quality: Annotated[int, typer.Option(help="Of the JPEG, 10 to 95.")] = 80,
+    tls: TlsOption = "",
+    insecure: InsecureOption = False,
+    router: RouterOption = False,
+) -> None:
+    """Pictures to the operator, from the robot's side: of the simulated robot, or from a real camera.
+
+    It connects to the robot, whose states it draws, and to whatever leads to the operator (docs/camera.md).
+    """
+    from farhand.programs.camera import CameraOptions, camera_program
+    from farhand.robot_side.camera.settings import check_camera, pictures
+
+    wanted = pictures(size, rate, quality)
+    options = CameraOptions(robot=robot, camera=check_camera(camera), pictures=wanted)
+    chosen = chosen_scenario(scenario, settings)
+    raise typer.Exit(camera_program(chosen, _access(7448, connect, listen, tls, insecure, router), options))
+
+
 def handover(
     to: Annotated[
         str, typer.Option(help="Name of who shall get control (default: the only one who waits).")
@@ -293,6 +326,7 @@ def register(app: typer.Typer) -> None:
     for command in (
         operator,
         robot,
+        camera,
         handover,
         estop,
         acknowledge,

@@ -23,6 +23,7 @@ from farhand.commands.options import (
     chosen_network,
     chosen_scenario,
 )
+from farhand.common.errors import InputError
 from farhand.operator_side.steering.registry import DEVICES
 
 OutOption = Annotated[
@@ -37,6 +38,14 @@ DemoSteerOption = Annotated[
     ),
 ]
 
+DemoCameraOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="off | pybullet | device:PATH",
+        help="With --steer browser: what the camera shows (default: pybullet for an arm, else off).",
+    ),
+]
+
 
 def demo(
     scenario: ScenarioOption = "ur5-obstacle",
@@ -47,6 +56,7 @@ def demo(
     predictor: PredictorOption = None,
     solver: SolverOption = None,
     steer: DemoSteerOption = None,
+    camera: DemoCameraOption = None,
     guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
@@ -62,14 +72,20 @@ def demo(
 
     Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
     """
-    from farhand.demo.demo import run_demo
+    from farhand.demo.cast import Hands
+    from farhand.demo.demo import has_desktop, run_demo
+    from farhand.robot_side.camera.settings import OFF, VIEW, check_camera
     from farhand.runs.run import Run
 
     browser = steer == "browser"
     steer = "remote" if browser else steer
+    if camera is not None and check_camera(camera, may_be_off=True) != OFF and not browser:
+        raise InputError("--camera: is for who drives in a browser; it goes with --steer browser")
     chosen = chosen_scenario(
         scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
+    if camera is None:
+        camera = VIEW if browser and chosen.robot.kind in ("arm", "ur5") else OFF
     run = Run(
         scenario=chosen,
         network=chosen_network(chosen, scenario, network, uplink, downlink),
@@ -77,7 +93,8 @@ def demo(
         time_limit=time_limit,
         timeline=timeline,
     )
-    raise typer.Exit(run_demo(run, out=out, force=force, as_json=as_json, browser=browser))
+    hands = Hands(browser=browser, opens=browser and has_desktop(), camera=camera)
+    raise typer.Exit(run_demo(run, out=out, force=force, as_json=as_json, hands=hands))
 
 
 def simulate(

@@ -1,41 +1,42 @@
-"""The demo: operator, netem and robot as three processes, joined by nothing but Zenoh on loopback."""
+"""The demo: operator, netem and robot as processes of their own, joined by nothing but Zenoh on loopback."""
 
 import os
 import tempfile
 import threading
+from dataclasses import dataclass
 from pathlib import Path
 
-from farhand.common.link.ports import free_ports
 from farhand.common.process.called import called
 from farhand.common.process.console import page
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
+from farhand.demo.cast import BESIDE, CAMERA, RECORD, Cast, Hands, cast_of
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
-from farhand.programs.command_line import (
-    ConsoleWords,
-    NetemWords,
-    OperatorWords,
-    RecordWords,
-    RobotWords,
-    Words,
-)
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
-from farhand.programs.wiring import OPERATOR_NAME
 from farhand.runs.conclude import conclude
-from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
-from farhand.runs.run_folder import make_run_folder, write_scenario
+from farhand.runs.run_folder import make_run_folder
 from farhand.runs.why import INTERRUPTED
 
 MEMORY = "/dev/shm"
-RECORD = RecordWords.COMMAND
-NAMES = ("netem", "robot", "operator", "console", RECORD)
+ALONE = Hands()
 
 
-def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, browser: bool = False) -> int:
-    """Run the demo, by hand in a `browser` or by itself; returns its exit code: 0 safe and finished, 1 otherwise.
+@dataclass(frozen=True, slots=True)
+class _End:
+    """Attributes:
+    why: what went wrong; empty: nothing.
+    note: what else there is to say, such as what the recording lacks.
+    """
+
+    why: str
+    note: str
+
+
+def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, hands: Hands = ALONE) -> int:
+    """Run the demo, by hand or by itself; returns its exit code: 0 safe and finished, 1 otherwise.
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
@@ -48,11 +49,12 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
     title = f"{run.scenario.name} over {run.network}, margin {run.scenario.margin.kind}"
     with tempfile.TemporaryDirectory(prefix="farhand-demo-", dir=_memory()) as left_in:
         left = Path(left_in)
-        why, note = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
-        code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left, note=note)
-    if not as_json and not browser:
+        cast = cast_of(run, folder, left, hands)
+        end = _play(cast, run.scenario.robot.kind, folder, stop_event, StatusView(title, console))
+        code = conclude(run, folder, console, why=end.why, as_json=as_json, left_in=left, note=end.note)
+    if not as_json and not hands.browser:
         console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
-    return 1 if why == INTERRUPTED else code
+    return 1 if end.why == INTERRUPTED else code
 
 
 def has_desktop() -> bool:
@@ -65,87 +67,50 @@ def _memory() -> str | None:
     return MEMORY if os.access(MEMORY, os.W_OK) else None
 
 
-def _run_programs(
-    run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView, *, browser: bool
-) -> tuple[str, str]:
-    """Start the three, a recorder, and a console if a browser steers, show their progress, end them.
-
-    Returns what went wrong, and what the recording lacks.
-    """
+def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, view: StatusView) -> _End:
+    """Start the programs, show their progress, end them."""
     clock = SystemClock()
-    *ports, page, control = free_ports(5)
-    operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in ports)
     children = Children(folder, clock)
     reader: ReportReader | None = None
+    gone: dict[str, int] = {}
     try:
-        name = run.scenario.robot.kind
-        netem = f"tcp/127.0.0.1:{control}"
-        wanted = _words(run, folder, left, operator_side, robot_side, report, netem)
-        wanted.append(RecordWords(out=str(folder / RECORDING), connect=report, netem=netem, robot=name))
-        if browser:
-            listen = f"127.0.0.1:{page}"
-            wanted.append(ConsoleWords(connect=report, listen=listen, robot=name, opens=has_desktop()))
-            view.note(f"drive at http://{listen}/")
-        for words in wanted:
+        if cast.page:
+            view.note(f"drive at {cast.page}")
+        for words in cast.programs:
             children.start(words.COMMAND, words.words())
-        view.note(
-            f"elsewhere: {called()} watch --connect {report} --robot {name}; to stop it: estop in place of watch"
-        )
-        reader = ReportReader(report, run.scenario.robot.kind, clock)
+        elsewhere = f"{called()} watch --connect {cast.report} --robot {robot}"
+        view.note(f"elsewhere: {elsewhere}; to stop it: estop in place of watch")
+        reader = ReportReader(cast.report, robot, clock)
+        filmed = True
         with view:
-            while True:
-                ended = children.ended(beside=(RECORD,))
+            while not gone and not stop_event.wait(0.1):
+                ended = children.ended()
+                gone = {name: code for name, code in ended.items() if name not in BESIDE}
+                if filmed and CAMERA in ended:
+                    filmed = False
+                    view.note(f"no camera any more: {children.last_words(CAMERA)}")
                 view.update(reader.read(), clock.now_ns(), reader.connected())
-                if ended or stop_event.wait(0.1):
-                    break
     finally:
         if reader is not None:
             reader.close()
         if not stop_event.is_set():
             children.wait_for(RECORD)  # it ends with the operator's program, and has its last words then
         children.stop()
-    recorded = children.ended().get(RECORD)
-    lacking = _what_died({RECORD: recorded}, children) if recorded is not None else ""
-    return INTERRUPTED if stop_event.is_set() else _what_died(ended, children), lacking
+    recorded = children.ended().get(RECORD, 0)
+    note = _how(RECORD, recorded, children) if recorded else ""
+    return _End(INTERRUPTED if stop_event.is_set() else _what_died(cast, gone, children), note)
 
 
-def _words(
-    run: Run, folder: Path, left: Path, operator_side: str, robot_side: str, report: str, control: str
-) -> list[Words]:
-    """The command lines of the three programs, in the order of their start."""
-    scenario, robot = str(write_scenario(run, folder)), run.scenario.robot.kind
-    return [
-        NetemWords(
-            listen_operator=operator_side,
-            listen_robot=robot_side,
-            uplink=run.network.uplink.text,
-            downlink=run.network.downlink.text,
-            seed=run.seed,
-            timeline=run.timeline,
-            control=control,
-            stats=str(left / NETEM),
-        ),
-        RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(left / ROBOT)),
-        OperatorWords(
-            name=OPERATOR_NAME,
-            scenario=scenario,
-            robot=robot,
-            connect=(operator_side,),
-            report=report,
-            seed=run.seed,
-            time_limit=None if run.scenario.steering.kind == "remote" else run.time_limit,
-            result=str(left / OPERATOR),
-        ),
-    ]
-
-
-def _what_died(ended: dict[str, int], children: Children) -> str:
+def _what_died(cast: Cast, ended: dict[str, int], children: Children) -> str:
     """Why the run is no good, if a program ended that should not have."""
-    for name in NAMES:
+    for name in (words.COMMAND for words in cast.programs):
         code = ended.get(name)
-        if code is None or (name == "operator" and code in (0, 1)) or (name == RECORD and code == 0):
-            continue
-        how = f"killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        words = children.last_words(name)
-        return f"the {name} program was {how}" + (f": {words}" if words and code > 0 else "")
+        if code is not None and not (name == "operator" and code in (0, 1)):
+            return _how(name, code, children)
     return ""
+
+
+def _how(name: str, code: int, children: Children) -> str:
+    how = f"killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+    words = children.last_words(name)
+    return f"the {name} program was {how}" + (f": {words}" if words and code > 0 else "")

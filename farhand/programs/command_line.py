@@ -98,6 +98,24 @@ class RobotWords(Secured):
 
 
 @dataclass(frozen=True, kw_only=True)
+class CameraWords(Secured):
+    """`farhand camera`."""
+
+    COMMAND: ClassVar[str] = "camera"
+
+    camera: str = ""
+    scenario: str = ""
+    settings: tuple[str, ...] = ()
+    robot: str = ""
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    router: bool = False
+    size: str = ""
+    rate: float | str | None = None
+    quality: int | str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class ControlChoice(Words):
     """What decides, in an operator's program and in a summary: scenario, margin, predictor, solver, seed."""
 

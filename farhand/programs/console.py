@@ -14,7 +14,7 @@ import uvicorn
 from farhand.common.errors import EndpointError, InputError
 from farhand.common.link.endpoints import is_loopback
 from farhand.common.link.zenoh_link import ZenohLink, open_session
-from farhand.common.messages.keys import check_robot_name
+from farhand.common.messages.keys import check_robot_name, mirror_key
 from farhand.common.process.security import local_only
 from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.process.teller import Teller
@@ -64,7 +64,7 @@ def console_program(options: ConsoleOptions) -> int:
         bound = closing.enter_context(_bound(host, port))
         teller = Teller("console")
         closing.callback(teller.close)
-        link = ZenohLink(open_session([connect]), Picture(robot).keys, clock)
+        link = ZenohLink(open_session([connect]), [*Picture(robot).keys, mirror_key(robot, "camera")], clock)
         closing.callback(link.close)
         PeerWatch("console", connect, link.connected, stop_event)
         console = Console(robot, link, random_session(), _find_model)

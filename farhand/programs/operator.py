@@ -10,10 +10,11 @@ import msgspec
 import zenoh
 
 from farhand.common.errors import InputError
-from farhand.common.link.link import Link
+from farhand.common.link.link import Link, Packet
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import (
+    camera_key,
     check_robot_name,
     description_key,
     scene_key,
@@ -34,7 +35,7 @@ from farhand.common.trust.tls import TlsFolder
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.main import MirroredLink, OperatorOutcome, ReportPublisher, run_operator
+from farhand.operator_side.main import Mirror, MirroredLink, OperatorOutcome, ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
 from farhand.operator_side.steering.device import SteeringDevice
@@ -160,6 +161,8 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         if report_session is not None:
             report_link = _report_link(report_session, robot, device, clock)
             closing.callback(report_link.close)
+            pictures = _relay(session, report_link, robot, clock)
+            closing.callback(pictures.undeclare)
         node = make_operator(
             scenario, _mirrored(link, report_link, robot), identity, controller, processor_seconds, device
         )
@@ -209,6 +212,19 @@ def _report_link(session: zenoh.Session, robot: str, device: SteeringDevice, clo
     if isinstance(device, Remote):
         device.listen(link)
     return link
+
+
+def _relay(
+    session: zenoh.Session, reports: ZenohLink, robot: str, clock: SystemClock
+) -> "zenoh.Subscriber[None]":
+    """Pass pictures on to whoever shows them, past the operator's node, which never sees one."""
+    mirror, key = Mirror(reports, robot), camera_key(robot)
+
+    def relay(sample: zenoh.Sample) -> None:
+        if sample.kind == zenoh.SampleKind.PUT:
+            mirror(Packet(key, sample.payload.to_bytes(), clock.now_ns()))
+
+    return session.declare_subscriber(key, relay)
 
 
 def _mirrored(link: ZenohLink, reports: ZenohLink | None, robot: str) -> Link:

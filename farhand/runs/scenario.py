@@ -29,6 +29,7 @@ from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.operator_side.settings import OperatorSettings
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.operator_side.steering.settings import SteeringSettings
+from farhand.robot_side.camera.settings import CameraSettings
 from farhand.robot_side.robots.registry import ROBOTS
 from farhand.robot_side.robots.settings import FILES, RobotSettings
 from farhand.robot_side.safety.guard.settings import GuardSettings
@@ -49,6 +50,7 @@ class Scenario(Task, frozen=True, kw_only=True):
     operator: OperatorSettings = OperatorSettings()
     steering: SteeringSettings = SteeringSettings()
     network: NetworkSettings = NetworkSettings()
+    camera: CameraSettings = CameraSettings()
 
     @property
     def predictor(self) -> str:

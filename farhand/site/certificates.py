@@ -88,7 +88,7 @@ def issue(
         folder: of the authority.
         role: one of ROLES.
         name: of the member among those of its role; a robot's is the robot's name.
-        robots: that an operator may steer, or an observer see; a robot has itself.
+        robots: that an operator may steer, a camera show, or an observer see; a robot has itself.
         hosts: names and addresses at which it listens; this host's own are always among them.
         days: how long it is valid; the authority's own end cuts it.
         force: replace what is there.
@@ -104,7 +104,7 @@ def issue(
     if role == "robot":
         check_robot_name(name)
         robots = (name,)
-    elif role in ("operator", "observer") and not robots:
+    elif role in ("operator", "camera", "observer") and not robots:
         raise InputError(f"{role} {name}: say for which robot: --robot NAME, repeatable")
     elif role in ("netem", "router") and robots:
         raise InputError(f"{role} {name}: forwards for all robots; leave --robot out")

@@ -12,16 +12,24 @@ from farhand.common.process.security import Access, secure, tool_place
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.trust.access import readable
 
+EVERYTHING = "**"
+_SHOWN = 32
+
 
 def describe(payload: bytes) -> str:
-    """A payload as text: MessagePack if it is some, else its length and first bytes."""
+    """A payload as text: MessagePack if it is some, else its length and first bytes; so too what it holds of bytes."""
     try:
-        return repr(msgpack.unpackb(payload, strict_map_key=False))
+        found = msgpack.unpackb(payload, strict_map_key=False)
+        if isinstance(found, dict):
+            found = {k: _shortened(v) if isinstance(v, bytes) else v for k, v in found.items()}
+        return repr(found)
     except (ValueError, msgpack.UnpackException, RecursionError):
-        return f"{len(payload)} bytes, not MessagePack: {payload[:32].hex(' ')}{' …' * (len(payload) > 32)}"
+        return f"{len(payload)} bytes, not MessagePack: {_shortened(payload)}"
 
 
-EVERYTHING = "**"
+def _shortened(content: bytes) -> str:
+    """The first bytes."""
+    return f"{content[:_SHOWN].hex(' ')}{' …' * (len(content) > _SHOWN)}"
 
 
 def run_tap(endpoint: str, key: str, count: int | None, router: bool = False, tls: str = "") -> int:

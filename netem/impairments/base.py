@@ -11,7 +11,7 @@ To add an impairment: one file with a `Word` (name, kind, stage; parse, text, bu
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING, ClassVar
@@ -75,6 +75,18 @@ class Flow:
     newest_released: int = -1
 
 
+@dataclass(frozen=True, slots=True)
+class Pending:
+    """Of a message whose release is only foretold.
+
+    Attributes:
+        puts_off: asked with the time (ns) once the release has come: whether it is put off, or dropped, which is
+            then in the message's `release_ns` or `cause`.
+    """
+
+    puts_off: Callable[[int], bool]
+
+
 @dataclass(slots=True)
 class Transit:
     """One message, or one copy of it, on its way through a direction.
@@ -94,6 +106,7 @@ class Transit:
         retransmissions: times that `tcp-like` sent it again.
         offer_again: it was lost but must not be, and takes the chain again at `release_ns`.
         stamps: what the round-trip measurement remembers of it.
+        pending: what may still put its release off; None: it leaves at `release_ns`.
     """
 
     packet: Packet
@@ -110,6 +123,7 @@ class Transit:
     retransmissions: int = 0
     offer_again: bool = False
     stamps: object = None
+    pending: "Pending | None" = None
 
 
 class Impairment(ABC):

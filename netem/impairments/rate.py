@@ -3,12 +3,14 @@
 What waits or is being sent is bounded by QUEUE bytes (256 kB unless said); a message that does not fit is
 dropped (tail drop).
 OVERHEAD bytes are added to each message, for the headers that the network carries (tc: `rate 2mbit 66`).
-All messages of a direction share one queue, first in, first out: a camera can starve the commands.
+The messages of a direction share one queue, first in, first out, but for a camera's: they have what the others leave of
+the rate, and never delay them (low_lane.py).
 """
 
 from typing import ClassVar
 
 from farhand.netem.impairments.base import Impairment, ImpairmentContext, Scope, Stage, Transit, Word
+from farhand.netem.impairments.low_lane import LOW_CLASSES, LowLane
 from farhand.netem.impairments.rate_by_trace import RateByTrace
 from farhand.netem.words.reader import DEFAULT_QUEUE, SpecReader, number_text
 
@@ -61,15 +63,20 @@ class _Rate(Impairment):
         self._rate = bits_per_second
         self._queue = queue
         self._free_ns = 0
+        self._low = LowLane()
 
     def apply(self, transit: Transit) -> None:
         if transit.cause:
             return
-        start_ns = max(self._free_ns, transit.release_ns)
         size = transit.size + self._overhead
+        if transit.flow.message_class in LOW_CLASSES:
+            self._low.join(transit, size * 8_000_000_000 // self._rate)
+            return
+        start_ns = max(self._free_ns, transit.release_ns)
         waiting = (start_ns - transit.release_ns) * self._rate // 8_000_000_000
         if waiting + size > self._queue and waiting > 0:
             transit.cause = "queue"
             return
         self._free_ns = start_ns + size * 8_000_000_000 // self._rate
+        self._low.occupied(start_ns, self._free_ns)
         transit.release_ns = self._free_ns

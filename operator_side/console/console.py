@@ -7,6 +7,7 @@ from farhand.common.link.link import Link, Packet
 from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import steering_key
 from farhand.common.messages.steering import Steering
+from farhand.operator_side.console.camera import CameraFeed
 from farhand.operator_side.console.frames import situation
 from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
@@ -32,6 +33,7 @@ class Console:
 
     def __init__(self, robot: str, link: Link, session: int, find_model: FindModel = lambda _: None) -> None:
         self.robot, self.seat, self.picture = robot, Seat(), Picture(robot)
+        self.camera = CameraFeed(robot)
         self._link, self._session, self._find = link, session, find_model
         self._seq, self._told_ns, self._was_pressed = -1, 0, False
         self._model: tuple[str, RobotModel | None] = ("", None)
@@ -48,6 +50,8 @@ class Console:
         """Take what has come, lock what must not be driven, tell the operator's program; 50 times a second."""
         for packet in self._link.receive():
             self.picture.take(packet)
+            self.camera.take(packet)
+        self.camera.look(self.picture, now_ns)
         if self.picture.state is not None and self.picture.state.mode == "estop":
             self.seat.stopped()
         self.seat.lock(lost(situation(self.picture, self.seat, now_ns)))
@@ -62,6 +66,7 @@ class Console:
     def leave(self, number: int, now_ns: int) -> None:
         """A page is gone."""
         self.seat.leave(number)
+        self.camera.leave(number)
         self._tell(now_ns)
 
     def _tell(self, now_ns: int) -> None:

@@ -85,10 +85,16 @@ class Picture:
         return found if isinstance(found, RobotDescription) else None
 
     @property
+    def command(self) -> VelocityCommand | None:
+        """The operator's newest, as it left."""
+        found = self._slots[self.keys[4]].message
+        return found if isinstance(found, VelocityCommand) else None
+
+    @property
     def path(self) -> list[Vector3]:
         """The committed path (m, base): where the robot will be by the newest command, to the stop at its end."""
-        report, command = self.report, self._slots[self.keys[4]].message
-        if report is None or not isinstance(command, VelocityCommand) or command.mode != "run":
+        report, command = self.report, self.command
+        if report is None or command is None or command.mode != "run":
             return []
         dt = command.plan_period_ns * 1e-9
         steps = (command.velocity, *command.plan)

@@ -70,7 +70,11 @@ class Do(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag=
     to: Number = 0
 
 
-Said = Hello | Steer | Do
+class Pictured(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag="pictured"):
+    """A camera's picture has come; only then is the next one sent, so that none waits on the way to a slow page."""
+
+
+Said = Hello | Steer | Do | Pictured
 _decoder: msgspec.msgpack.Decoder[Said] = msgspec.msgpack.Decoder(Said)
 
 

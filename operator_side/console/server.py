@@ -17,7 +17,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.frames import frame, robot_told, scene_told
-from farhand.operator_side.console.said import Hello, SaidError, read_said
+from farhand.operator_side.console.said import Hello, Pictured, SaidError, read_said
 
 STATIC = Path(__file__).resolve().parent / "static"
 FRAME_PERIOD, BEAT_PERIOD = 1.0 / 30.0, 0.02
@@ -177,6 +177,8 @@ class Server:
             if picture.scene is not None and picture.scene is not told[1]:
                 told[1] = picture.scene
                 await _send(socket, scene_told(picture.scene))
+            if (shown := self._console.camera.next(number, self._now_ns())) is not None:
+                await _send(socket, shown)
             await _send(socket, frame(picture, self._console.seat, number, self._now_ns()))
 
     async def _hear(self, socket: WebSocket, number: int) -> None:
@@ -191,7 +193,11 @@ class Server:
                 return
             if isinstance(said, Hello):
                 continue
-            if not self._console.hear(number, said, self._now_ns()):
+            if isinstance(said, Pictured):
+                stays = self._console.camera.pictured(number)
+            else:
+                stays = self._console.hear(number, said, self._now_ns())
+            if not stays:
                 self._tell(f"page {number} is let go: it says too much")
                 await socket.close(TOO_MANY, "this page says too much")
                 return

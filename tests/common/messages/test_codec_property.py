@@ -10,6 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from farhand.common.messages.base import SCHEMA, Echo
+from farhand.common.messages.camera import CameraFrame
 from farhand.common.messages.codec import MAX_PAYLOAD, Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.description import RobotDescription
@@ -20,7 +21,7 @@ from farhand.common.messages.steering import Steering
 
 REASONS = {"length", "malformed", "checksum", "schema", "unknown-field", "type", "non-finite"}
 TURNING = [*map(chr, range(0x202A, 0x202F)), *map(chr, range(0x2066, 0x206A))]  # the direction of writing
-KINDS = [VelocityCommand, RobotState, Scene, ControlReport, Steering]
+KINDS = [VelocityCommand, RobotState, Scene, ControlReport, Steering, CameraFrame]
 
 real = st.floats(-1e6, 1e6)
 vector = st.tuples(real, real, real)
@@ -146,7 +147,17 @@ steerings = st.builds(
     take=st.booleans(),
     release=st.booleans(),
 )
-messages = st.one_of(commands, states, scenes, descriptions, reports, steerings)
+frames = st.builds(
+    CameraFrame,
+    **head,
+    camera=name,
+    robot_session=stamp,
+    t_captured_ns=stamp,
+    width=st.integers(1, 4096),
+    height=st.integers(1, 4096),
+    jpeg=st.binary(min_size=4, max_size=200),
+)
+messages = st.one_of(commands, states, scenes, descriptions, reports, steerings, frames)
 
 
 def plain(message):

@@ -140,6 +140,24 @@ def test_an_operator_may_write_only_the_command_of_its_robots(authority):
     }
 
 
+def test_a_camera_may_write_only_pictures_of_its_robots_and_hears_no_command(authority):
+    camera = issue(authority, "camera", "front", ["ur5"])
+    own = load_folder(camera, "camera", "ur5").own
+    for name, place in (("netem.lab", "netem-robot"), ("robot.ur5", "robot"), ("operator.alice", "operator")):
+        folder = load_folder(authority / name)
+        assert own in folder.accepted(place)
+        rules = access_control(folder.own, [own])["rules"]
+        for flow, message, keys in (
+            ("ingress", "put", {"farhand/ur5/camera/**"}),
+            ("egress", "put", {"farhand/ur5/state", "farhand/ur5/scene", "farhand/ur5/description"}),
+        ):
+            found = {
+                k for r in rules if flow in r["flows"] and message in r["messages"] for k in r["key_exprs"]
+            }
+            assert found == keys, (name, flow)
+    assert own not in load_folder(authority / "netem.lab").accepted("netem-operator")
+
+
 def test_settings_nest_into_a_router_configuration(authority):
     issue(authority, "router", "hub")
     made = nested(load_folder(authority / "router.hub", "router").settings("router"))

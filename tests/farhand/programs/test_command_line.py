@@ -6,9 +6,16 @@ import pytest
 import typer
 
 from farhand.cli import app
-from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords
+from farhand.programs.command_line import (
+    CameraWords,
+    ConsoleWords,
+    NetemWords,
+    OperatorWords,
+    RobotWords,
+    SummariseWords,
+)
 
-ALL = [ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords]
+ALL = [CameraWords, ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords]
 
 
 def parameters(kind):
@@ -56,7 +63,9 @@ def test_the_command_reads_back_every_value(kind):
         assert found["folder"] == values["folder"]
 
 
-@pytest.mark.parametrize("kind", [NetemWords, OperatorWords, RobotWords], ids=lambda kind: kind.COMMAND)
+@pytest.mark.parametrize(
+    "kind", [CameraWords, NetemWords, OperatorWords, RobotWords], ids=lambda kind: kind.COMMAND
+)
 def test_what_is_not_said_is_left_out(kind):
     assert kind().words() == [kind.COMMAND]
     assert kind(tls="", insecure=False).words() == [kind.COMMAND]

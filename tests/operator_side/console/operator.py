@@ -1,12 +1,13 @@
 """An operator's program as a console meets it, in place of a real one."""
 
 from farhand.common.link.link import Packet
+from farhand.common.messages.camera import CameraFrame
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.keys import mirror_key, report_key, steering_key
 from farhand.common.messages.scene import Obstacle
 from farhand.common.messages.steering import Steering
 from farhand.common.timing.clock import SystemClock
-from farhand.testing import command, description, report, scene, state
+from farhand.testing import ROBOT_SESSION, command, description, report, scene, state
 
 
 class Operator:
@@ -15,7 +16,7 @@ class Operator:
     def __init__(self):
         self.clock, self.told, self.seq = SystemClock(), [], 0
         self.told_ns = []
-        self.state, self.silent = {}, False
+        self.state, self.silent, self.pictures = {}, False, []
         self.decoder = Decoder(Steering)
 
     def send(self, packet):
@@ -34,4 +35,22 @@ class Operator:
             mirror_key("r", "description"): description(1, model="ur5"),
             mirror_key("r", "command"): command(self.seq, plan=((0.1, 0.0, 0.0),)),
         }
-        return [Packet(key, encode(message), self.clock.now_ns()) for key, message in found.items()]
+        pictures, self.pictures = self.pictures, []
+        messages = [*found.items(), *((mirror_key("r", "camera"), each) for each in pictures)]
+        return [Packet(key, encode(message), self.clock.now_ns()) for key, message in messages]
+
+
+def frame(seq, captured_ns=0, session=ROBOT_SESSION):
+    """A picture whose last byte is its number."""
+    return CameraFrame(
+        source="r",
+        session=3,
+        seq=seq,
+        t_sent_ns=0,
+        camera="pybullet",
+        robot_session=session,
+        t_captured_ns=captured_ns,
+        width=320,
+        height=240,
+        jpeg=b"jpeg" + bytes([seq % 256]),
+    )

@@ -8,7 +8,7 @@ from starlette.websockets import WebSocketDisconnect
 from farhand.operator_side.console import server as module
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.server import Door, Server
-from tests.operator_side.console.operator import Operator
+from tests.operator_side.console.operator import Operator, frame
 
 HOST = "127.0.0.1:8080"
 ORIGIN = {"origin": f"http://{HOST}", "host": HOST}
@@ -157,3 +157,15 @@ def test_files_come_with_a_policy_and_nothing_else_comes(client):
     assert client.get("/robot/model.urdf").status_code == 404
     assert client.get("/", headers={"host": "evil.example"}).status_code == 421
     assert "default-src 'none'" in client.get("/nothing.js").headers["content-security-policy"]
+
+
+def test_a_page_over_its_socket_gets_pictures_as_it_draws_them(client, operator):
+    with page(client) as socket:
+        enter(socket)
+        assert hear(socket, "camera")["said"] == "no camera: no picture has come"
+        operator.pictures = [frame(1)]
+        assert hear(socket, "camera", lambda told: told["jpeg"])["jpeg"][-1] == 1
+        operator.pictures = [frame(2)]
+        say(socket, kind="pictured")
+        told = hear(socket, "camera", lambda told: told["jpeg"])
+        assert (told["jpeg"][-1], told["said"]) == (2, "")
