@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import msgspec
 
 from farhand.common.messages.base import Message
+from farhand.common.messages.camera import CameraFrame
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
@@ -28,6 +29,10 @@ TOPICS: dict[str, tuple[str, type[Message]]] = {
 }
 
 
+CAMERA = "/robot/camera"
+_CAMERA = b'{"type":"object","description":"a CameraFrame, with the bytes of its picture counted"}'
+
+
 class View(Protocol):
     """A way to tell of a run beside its bytes."""
 
@@ -40,12 +45,17 @@ class View(Protocol):
         """What it says of one tick."""
         ...
 
+    def frame(self, frame: CameraFrame, stamp_ns: int) -> Iterator[Said]:
+        """What it says of a picture that came then."""
+        ...
+
 
 class JsonView:
     """See the module."""
 
     def __init__(self) -> None:
-        self.channels = tuple(json_channel(topic, kind) for topic, kind in TOPICS.values())
+        told = tuple(json_channel(topic, kind) for topic, kind in TOPICS.values())
+        self.channels = (*told, ChannelSpec(CAMERA, "json", "farhand.CameraFrame", "jsonschema", _CAMERA))
         self._encoder = msgspec.json.Encoder()
 
     def tick(self, tick: DecodedTick) -> Iterator[Said]:
@@ -57,6 +67,12 @@ class JsonView:
             yield TOPICS["command"][0], now_ns, self._encode(tick.command)
         if tick.report is not None:
             yield TOPICS["report"][0], now_ns, self._encode(tick.report)
+
+    def frame(self, frame: CameraFrame, stamp_ns: int) -> Iterator[Said]:
+        """See View; the picture itself is none of JSON's."""
+        told = msgspec.to_builtins(frame, builtin_types=(bytes,))
+        told["jpeg"] = len(frame.jpeg)
+        yield CAMERA, stamp_ns, self._encoder.encode(told)
 
     def _encode(self, message: Message) -> bytes:
         return self._encoder.encode(shortened(msgspec.to_builtins(message)))

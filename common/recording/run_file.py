@@ -6,6 +6,7 @@ from pathlib import Path
 import msgspec
 
 from farhand.common.errors import RunFileError
+from farhand.common.messages.camera import CameraFrame
 from farhand.common.recording.decoded import TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
 from farhand.common.recording.json_view import JsonView, View, json_channel
@@ -75,6 +76,12 @@ class RunFile:
         """
         number = self._numbers[FATE_TOPICS[fate.direction]]
         self._file.add(number, fate.arrived_ns + epoch_ns, self._encode_fate(fate), fate.number)
+
+    def frame(self, frame: CameraFrame, time_ns: int) -> None:
+        """Take a picture that came at a time of day (ns since 1970); views alone tell of it."""
+        for view in self._views:
+            for topic, stamp_ns, data in view.frame(frame, time_ns - self._epoch_ns):
+                self._put(topic, stamp_ns, data, frame.seq & 0xFFFFFFFF)
 
     def gap(self, gap: Gap) -> None:
         """Ticks that came never."""

@@ -273,6 +273,9 @@ def record(
             help="The emulator's --control endpoint: what became of every message, to have it again."
         ),
     ] = "",
+    frames: Annotated[
+        float, typer.Option(min=0.0, max=60.0, help="Pictures of a camera that are recorded, 1/s; 0: none.")
+    ] = 5.0,
     out: Annotated[Path | None, typer.Option(help="File to write (default: runs/TIME-ROBOT.mcap).")] = None,
 ) -> None:
     """Record a running operator: what arrived, what it decided and why, as an MCAP file that opens in Foxglove.
@@ -282,7 +285,7 @@ def record(
     """
     from farhand.programs.recorder import RecorderOptions, recorder_program
 
-    options = RecorderOptions(robot=robot, connect=connect, netem=netem, out=out)
+    options = RecorderOptions(robot=robot, connect=connect, netem=netem, frames=frames, out=out)
     raise typer.Exit(recorder_program(options))
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import msgspec
 from foxglove.messages import (
     Color,
+    CompressedImage,
     Event,
     FrameTransforms,
     JointStates,
@@ -20,6 +21,7 @@ from foxglove.messages import (
 )
 
 from farhand.common.geometry import norm
+from farhand.common.messages.camera import CameraFrame
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
@@ -34,7 +36,7 @@ from farhand.foxglove.body import Body, transform
 from farhand.foxglove.figures import BASE, PREDICTED, Place, entity, pose, stamp
 from farhand.foxglove.happenings import Happening, Happenings
 
-JOINTS, FRAMES, SCENE, PLAN, LOG, EVENTS, SCALARS = (
+JOINTS, FRAMES, SCENE, PLAN, LOG, EVENTS, SCALARS, CAMERA = (
     "/joints",
     "/tf",
     "/scene",
@@ -42,6 +44,7 @@ JOINTS, FRAMES, SCENE, PLAN, LOG, EVENTS, SCALARS = (
     "/log",
     "/events",
     "/scalars",
+    "/camera",
 )
 _KINDS: dict[str, Any] = {
     JOINTS: JointStates,
@@ -50,6 +53,7 @@ _KINDS: dict[str, Any] = {
     PLAN: PosesInFrame,
     LOG: Log,
     EVENTS: Event,
+    CAMERA: CompressedImage,
 }
 MOVES_EVERY_NS = 50_000_000
 """Frames and movers are told so often: what draws needs no more."""
@@ -104,6 +108,12 @@ class FoxgloveView:
                 yield from self._take_description(message, arrived_ns)
         if tick.report is not None:
             yield from self._report(tick.report, tick)
+
+    def frame(self, frame: CameraFrame, stamp_ns: int) -> Iterator[Said]:
+        """See View."""
+        at = stamp(stamp_ns + self._epoch_ns)
+        picture = CompressedImage(timestamp=at, frame_id="camera", data=frame.jpeg, format="jpeg")
+        yield CAMERA, stamp_ns, picture.encode()
 
     def _state(self, state: RobotState, now_ns: int) -> Iterator[Said]:
         for happening in self._happenings.state(state, now_ns):

@@ -16,6 +16,7 @@ import zenoh
 
 from farhand.common.errors import RunFileError
 from farhand.common.link.zenoh_link import open_session
+from farhand.common.messages.camera import CameraFrame
 from farhand.common.messages.keys import check_robot_name, ticks_key
 from farhand.common.process.outputs import check_writable, make_folder
 from farhand.common.process.security import local_only
@@ -28,9 +29,12 @@ from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import SystemClock, local_timestamp, to_ns
 from farhand.foxglove.view import views_of
 from farhand.netem.control import control_endpoint
+from farhand.programs.camera_tap import CameraTap
 
 B = TypeVar("B")
 
+FRAMES_HZ = 5.0
+"""A picture of 8 kB five times a second is 2.4 MB a minute, which is about what everything else is."""
 ASK_EVERY, REST_EVERY = 0.2, 0.05
 ANSWER_WITHIN = 1.0
 REST_NS = to_ns(1.0)
@@ -48,12 +52,14 @@ class RecorderOptions:
         robot: the robot's name.
         connect: the operator's report endpoint.
         netem: the emulator's control endpoint, for what became of every message; empty: not recorded.
+        frames: pictures a second that are recorded, of a camera that takes more (1/s).
         out: file to write; None: `runs/TIME-ROBOT.mcap`.
     """
 
     robot: str
     connect: str
     netem: str = ""
+    frames: float = FRAMES_HZ
     out: Path | None = None
 
 
@@ -107,6 +113,11 @@ class Recording:
             self.file.flush()
         self.done = self.whole = batch.ended
 
+    def take_frames(self, frames: Sequence[tuple[int, CameraFrame]]) -> None:
+        """Write pictures, each with its time of day; those before the run's first tick are left out."""
+        for at_ns, frame in frames if self.file is not None else ():
+            self.file.frame(frame, at_ns)
+
     def take_fates(self, batch: FateBatch) -> None:
         """Write what became of messages; what came before the run's first tick waits for the file."""
         if self.file is None or batch.session != (self._netem or batch.session):
@@ -143,7 +154,8 @@ def recorder_program(options: RecorderOptions) -> int:
         netem = closing.enter_context(_opened(control_endpoint(options.netem))) if options.netem else None
         closing.callback(recording.close)
         say("record", f"waits for the operator of robot {robot!r} at {connect}; Ctrl-C ends it")
-        _record(recording, Sources(operator, netem, robot), clock, stop_event)
+        camera = CameraTap(operator, robot, clock, options.frames)
+        _record(recording, Sources(operator, netem, robot, camera), clock, stop_event)
     return _conclude(recording, out, told=stop_event.is_set())
 
 
@@ -169,10 +181,14 @@ class Sources:
         operator: session to the operator's program.
         netem: session to the emulator; None: it is not recorded.
         robot: the robot's name.
+        camera: pictures that pass the operator's program.
     """
 
-    def __init__(self, operator: zenoh.Session, netem: zenoh.Session | None, robot: str) -> None:
+    def __init__(
+        self, operator: zenoh.Session, netem: zenoh.Session | None, robot: str, camera: CameraTap
+    ) -> None:
         self._operator, self._netem, self._key = operator, netem, ticks_key(robot)
+        self.camera = camera
 
     def ticks(self, since: int) -> TickBatch | None:
         """The ticks from a number on; None: nobody answers. Raises RunFileError where the answer cannot be read."""
@@ -199,6 +215,7 @@ def _record(recording: Recording, sources: Sources, clock: SystemClock, stop_eve
                 say("record", f"records run {batch.info.scenario.get('name', '')!r}")
             heard_ns = now_ns
             recording.take(batch)
+            recording.take_frames(sources.camera.frames())
             _take_fates(recording, sources)
             if batch.more:
                 continue
