@@ -115,7 +115,9 @@ class Recording:
 
     def take_frames(self, frames: Sequence[tuple[int, CameraFrame]]) -> None:
         """Write pictures, each with its time of day; those before the run's first tick are left out."""
-        for at_ns, frame in frames if self.file is not None else ():
+        if self.file is None:
+            return
+        for at_ns, frame in frames:
             self.file.frame(frame, at_ns)
 
     def take_fates(self, batch: FateBatch) -> None:
