@@ -255,6 +255,26 @@ def console(
     raise typer.Exit(console_program(options))
 
 
+def steer(
+    device: Annotated[
+        str, typer.Argument(metavar="gamepad | spacemouse | recorded:RUN", help="What steers.")
+    ],
+    connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+    scenario: ScenarioOption = "ur5-obstacle",
+    settings: SetOption = None,
+    realtime: RealtimeOption = True,
+) -> None:
+    """Drive with a device of this host, beside a running `farhand operator --steer remote` (or of the same device).
+
+    What its axes and buttons do is in [steering.gamepad] of the scenario, and in --set steering.gamepad.x=...
+    """
+    from farhand.programs.steer import SteerOptions, steer_program
+
+    chosen = chosen_scenario(scenario, settings, steer=device)
+    raise typer.Exit(steer_program(chosen, SteerOptions(robot=robot, connect=connect, realtime=realtime)))
+
+
 def tap(
     endpoint: Annotated[str, typer.Argument(help="Endpoint to connect to, such as tcp/127.0.0.1:7447.")],
     key: Annotated[str, typer.Option(help="Key expression to listen to.")] = "**",
@@ -270,5 +290,17 @@ def tap(
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (operator, robot, handover, estop, acknowledge, robots, doctor, watch, console, tap):
+    for command in (
+        operator,
+        robot,
+        handover,
+        estop,
+        acknowledge,
+        robots,
+        doctor,
+        watch,
+        console,
+        steer,
+        tap,
+    ):
         app.command()(command)

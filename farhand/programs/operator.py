@@ -209,7 +209,8 @@ def _device(scenario: Scenario, options: OperatorOptions) -> SteeringDevice:
     """What steers; raises InputError where it is steered from other programs and could not hear them."""
     device = make_device(scenario.steering)
     if isinstance(device, Remote) and not options.report:
-        raise InputError("--steer remote: needs --report ENDPOINT, where consoles and gamepads are heard")
+        kind = scenario.steering.kind
+        raise InputError(f"--steer {kind}: needs --report ENDPOINT, where consoles and gamepads are heard")
     return device
 
 

@@ -1,0 +1,107 @@
+"""The program `farhand steer`: a device on this host, for a running operator's program that is steered from others.
+
+The device is read in the main thread; what is wanted is sent by a loop of its own, which neither opens nor says
+anything. Where the reading freezes, the loop sends zero; where the loop freezes, the operator's program holds.
+"""
+
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+from farhand.common.errors import InputError
+from farhand.common.link.zenoh_link import ZenohLink, open_session
+from farhand.common.messages.keys import check_robot_name, report_key
+from farhand.common.process.security import local_only
+from farhand.common.process.signals import PeerWatch, stop_event_on_signals
+from farhand.common.process.teller import Teller
+from farhand.common.scenario.section import own_settings
+from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.loop import RealtimeLoop
+from farhand.operator_side.devices.device_node import PERIOD, DeviceNode
+from farhand.operator_side.devices.hand import Hand
+from farhand.operator_side.devices.reading import Source
+from farhand.operator_side.devices.sdl import SdlSource
+from farhand.operator_side.steering.hand_settings import HandSettings
+from farhand.operator_side.steering.registry import DEVICES
+from farhand.operator_side.steering.sender import SteeringSender
+from farhand.programs.sessions import random_session
+from farhand.runs.scenario import Scenario
+
+SOURCES: dict[str, Callable[[str], Source]] = {"gamepad": SdlSource}
+"""What reads a device of a kind, by part of its name."""
+RUMBLE_EVERY = 10
+"""Readings from one rumble to the next."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SteerOptions:
+    """What `farhand steer` is asked for.
+
+    Attributes:
+        robot: name of the robot.
+        connect: the operator's report endpoint.
+        realtime: ask for SCHED_FIFO.
+    """
+
+    robot: str
+    connect: str
+    realtime: bool = True
+
+
+def steer_program(scenario: Scenario, options: SteerOptions) -> int:
+    """Read a device until it is told to end; raises InputError."""
+    kind = scenario.steering.kind
+    settings = own_settings(scenario.steering, DEVICES.get(kind), "steering")
+    if kind not in SOURCES or not isinstance(settings, HandSettings):
+        raise InputError(f"steer {kind!r}: no device of this host; there are {', '.join(SOURCES)}")
+    robot = check_robot_name(options.robot)
+    connect = local_only(options.connect, "--connect")
+    stop_event, clock = stop_event_on_signals(), SystemClock()
+    with ExitStack() as closing:
+        source = SOURCES[kind](settings.name)
+        closing.callback(source.close)
+        teller = Teller(kind)
+        closing.callback(teller.close)
+        link = ZenohLink(open_session([connect]), [report_key(robot)], clock)
+        closing.callback(link.close)
+        PeerWatch(kind, connect, link.connected, stop_event)
+        sender = SteeringSender(robot, link, random_session(), "device", kind)
+        node = DeviceNode(Hand(settings, kind), link, sender)
+        loop = RealtimeLoop(node, clock, realtime=options.realtime)
+        sending = threading.Thread(target=loop.run, name="steering", daemon=True)
+        sending.start()
+        _read(
+            source,
+            node,
+            clock,
+            settings.rumble,
+            teller.say,
+            lambda: stop_event.wait(PERIOD) or not sending.is_alive(),
+        )
+        loop.stop()
+        sending.join(1.0)
+        node.leave(clock.now_ns())
+    return 0 if stop_event.is_set() else 1
+
+
+def _read(
+    source: Source,
+    node: DeviceNode,
+    clock: SystemClock,
+    rumble: float,
+    tell: Callable[[str], None],
+    ends_within_period: Callable[[], bool],
+) -> None:
+    """Until the end: read, have said what is new, and shake."""
+    said, readings, shaken = "", 0, False
+    while not ends_within_period():
+        node.reading = source.read(clock.now_ns())
+        if node.says != said:
+            said = node.says
+            tell(said)
+        readings += 1
+        strength = rumble * node.strength
+        if readings % RUMBLE_EVERY == 0 and (strength > 0.0 or shaken):
+            source.rumble(strength)
+            shaken = strength > 0.0
