@@ -18,6 +18,7 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
         "remote": "farhand.operator_side.steering.remote:Remote",
         "gamepad": "farhand.operator_side.steering.gamepad:Gamepad",
         "spacemouse": "farhand.operator_side.steering.spacemouse:Spacemouse",
+        "recorded": "farhand.operator_side.steering.recorded:Recorded",
     },
 )
 
