@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
 
 from farhand.common.errors import InputError
 from farhand.common.link.zenoh_link import ZenohLink, open_session
@@ -20,18 +21,23 @@ from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
 from farhand.operator_side.devices.device_node import PERIOD, DeviceNode
 from farhand.operator_side.devices.hand import Hand
+from farhand.operator_side.devices.playback_node import PlaybackNode
 from farhand.operator_side.devices.reading import Source
-from farhand.operator_side.devices.sdl import SdlSource
+from farhand.operator_side.devices.sources import SOURCES
+from farhand.operator_side.steering.course import read_course
 from farhand.operator_side.steering.hand_settings import HandSettings
+from farhand.operator_side.steering.playback import Playback
+from farhand.operator_side.steering.recorded import RecordedSettings
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.operator_side.steering.sender import SteeringSender
 from farhand.programs.sessions import random_session
 from farhand.runs.scenario import Scenario
 
-SOURCES: dict[str, Callable[[str], Source]] = {"gamepad": SdlSource}
-"""What reads a device of a kind, by part of its name."""
 RUMBLE_EVERY = 10
 """Readings from one rumble to the next."""
+
+Work = Callable[[Callable[[], bool]], None]
+"""What the main thread does, until what it is called with holds; that waits a little each time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,58 +56,84 @@ class SteerOptions:
 
 
 def steer_program(scenario: Scenario, options: SteerOptions) -> int:
-    """Read a device until it is told to end; raises InputError."""
+    """Read a device until it is told to end, or play a recorded run to its end; raises InputError."""
     kind = scenario.steering.kind
     settings = own_settings(scenario.steering, DEVICES.get(kind), "steering")
-    if kind not in SOURCES or not isinstance(settings, HandSettings):
-        raise InputError(f"steer {kind!r}: no device of this host; there are {', '.join(SOURCES)}")
     robot = check_robot_name(options.robot)
     connect = local_only(options.connect, "--connect")
-    stop_event, clock = stop_event_on_signals(), SystemClock()
     with ExitStack() as closing:
-        source = SOURCES[kind](settings.name)
-        closing.callback(source.close)
+        device = _device(kind, settings, closing)
+        stop_event, clock = stop_event_on_signals(), SystemClock()
         teller = Teller(kind)
         closing.callback(teller.close)
         link = ZenohLink(open_session([connect]), [report_key(robot)], clock)
         closing.callback(link.close)
         PeerWatch(kind, connect, link.connected, stop_event)
         sender = SteeringSender(robot, link, random_session(), "device", kind)
-        node = DeviceNode(Hand(settings, kind), link, sender)
+        node: DeviceNode | PlaybackNode
+        if isinstance(device, Playback):
+            node = PlaybackNode(device, link, sender)
+            work = _play(node, teller.say)
+        else:
+            node = DeviceNode(Hand(settings, kind), link, sender)
+            work = _read(device, node, clock, settings.rumble, teller.say)
         loop = RealtimeLoop(node, clock, realtime=options.realtime)
         sending = threading.Thread(target=loop.run, name="steering", daemon=True)
         sending.start()
-        _read(
-            source,
-            node,
-            clock,
-            settings.rumble,
-            teller.say,
-            lambda: stop_event.wait(PERIOD) or not sending.is_alive(),
-        )
+        work(lambda: stop_event.wait(PERIOD) or not sending.is_alive())
+        whole = sending.is_alive()
         loop.stop()
         sending.join(1.0)
         node.leave(clock.now_ns())
-    return 0 if stop_event.is_set() else 1
+    return 0 if whole else 1
+
+
+def _device(kind: str, settings: object, closing: ExitStack) -> Source | Playback:
+    """What is read or played; raises InputError."""
+    if isinstance(settings, RecordedSettings):
+        return Playback(read_course(Path(settings.run)))
+    if kind not in SOURCES or not isinstance(settings, HandSettings):
+        raise InputError(
+            f"steer {kind!r}: no device of this host; there are {', '.join(SOURCES)}, recorded:RUN"
+        )
+    source = SOURCES[kind](settings.name)
+    closing.callback(source.close)
+    return source
 
 
 def _read(
-    source: Source,
-    node: DeviceNode,
-    clock: SystemClock,
-    rumble: float,
-    tell: Callable[[str], None],
-    ends_within_period: Callable[[], bool],
-) -> None:
-    """Until the end: read, have said what is new, and shake."""
-    said, readings, shaken = "", 0, False
-    while not ends_within_period():
-        node.reading = source.read(clock.now_ns())
-        if node.says != said:
-            said = node.says
-            tell(said)
-        readings += 1
-        strength = rumble * node.strength
-        if readings % RUMBLE_EVERY == 0 and (strength > 0.0 or shaken):
-            source.rumble(strength)
-            shaken = strength > 0.0
+    source: Source, node: DeviceNode, clock: SystemClock, rumble: float, tell: Callable[[str], None]
+) -> Work:
+    """Read, have said what is new, and shake."""
+
+    def work(ends: Callable[[], bool]) -> None:
+        said, readings, shaken = "", 0, False
+        while not ends():
+            node.reading = source.read(clock.now_ns())
+            says = (source.trouble if node.reading is None else "") or node.says
+            if says != said:
+                said = says
+                tell(said)
+            readings += 1
+            strength = rumble * node.strength
+            if readings % RUMBLE_EVERY == 0 and (strength > 0.0 or shaken):
+                source.rumble(strength)
+                shaken = strength > 0.0
+
+    return work
+
+
+def _play(node: PlaybackNode, tell: Callable[[str], None]) -> Work:
+    """Have said what is new, to the end."""
+
+    def work(ends: Callable[[], bool]) -> None:
+        said = ""
+        while not ends():
+            over = node.over
+            if node.says != said:
+                said = node.says
+                tell(said)
+            if over:
+                return
+
+    return work

@@ -23,10 +23,20 @@ class Reading:
 
 
 class Source(Protocol):
-    """A device, or the place for one. Its methods may take their time: no sending loop calls them."""
+    """A device, or the place for one. Its methods may take their time: no sending loop calls them.
+
+    Attributes:
+        trouble: why one that is plugged in cannot be used, for people; empty: nothing is known of any.
+    """
+
+    trouble: str
 
     def read(self, now_ns: int) -> Reading | None:
         """What it shows now; None while nothing is plugged in. Never raises."""
+        ...
+
+    def found(self) -> list[dict[str, object]]:
+        """All that are plugged in: `name`, `kind`, `mapping`, and the numbers of `axes`, `buttons` and `hats`."""
         ...
 
     def rumble(self, strength: float) -> None:

@@ -32,6 +32,7 @@ class SdlSource:
         self._joystick: Any = None
         self._mapped: Any = None
         self._plugged = 0
+        self.trouble = ""
 
     def read(self, now_ns: int) -> Reading | None:
         """See Source."""
@@ -64,7 +65,7 @@ class SdlSource:
             pass  # it is gone; the next reading says so
 
     def found(self) -> list[dict[str, object]]:
-        """All that are plugged in: name, mapping, and how many inputs of each kind."""
+        """See Source."""
         self._pygame.event.get()
         rows: list[dict[str, object]] = []
         for index in range(self._pygame.joystick.get_count()):
