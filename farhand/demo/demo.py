@@ -13,24 +13,36 @@ from farhand.common.timing.clock import SystemClock
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
-from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords, Words
+from farhand.operator_side.devices.sources import SOURCES, check_library
+from farhand.operator_side.steering.registry import DEVICES
+from farhand.programs.command_line import (
+    ConsoleWords,
+    NetemWords,
+    OperatorWords,
+    RobotWords,
+    SteerWords,
+    Words,
+)
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.programs.wiring import OPERATOR_NAME
 from farhand.runs.conclude import conclude
-from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
+from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT, SCENARIO
 from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder, write_scenario
 from farhand.runs.why import INTERRUPTED
 
 MEMORY = "/dev/shm"
-NAMES = ("netem", "robot", "operator", "console")
+NAMES = ("netem", "robot", "operator", "console", "steer")
 
 
 def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, browser: bool = False) -> int:
-    """Run the demo, by hand in a `browser` or by itself; returns its exit code: 0 safe and finished, 1 otherwise.
+    """Run the demo, by hand or by itself; returns its exit code: 0 safe and finished, 1 otherwise.
+
+    A hand is in a `browser`, or at the device that the scenario names, which is a fourth program.
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
+    check_library(run.scenario.steering.kind)
     prepare_robot_aloud(run.scenario, lambda line: say("demo", line))  # the robot's program finds it compiled
     run.check()
     folder = make_run_folder(out, run.scenario.name, force=force)
@@ -60,12 +72,13 @@ def _memory() -> str | None:
 def _run_programs(
     run: Run, folder: Path, left: Path, stop_event: threading.Event, view: StatusView, *, browser: bool
 ) -> str:
-    """Start the three, and a console if a browser steers, show their progress, end them; returns what went wrong."""
+    """Start the three, and a fourth if a hand steers, show their progress, end them; returns what went wrong."""
     clock = SystemClock()
     *ports, page = free_ports(4)
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in ports)
     children = Children(folder, clock)
     reader: ReportReader | None = None
+    said = ""
     try:
         name = run.scenario.robot.kind
         wanted = _words(run, folder, left, operator_side, robot_side, report)
@@ -73,6 +86,10 @@ def _run_programs(
             listen = f"127.0.0.1:{page}"
             wanted.append(ConsoleWords(connect=report, listen=listen, robot=name, opens=has_desktop()))
             view.note(f"drive at http://{listen}/")
+        if run.scenario.steering.kind in SOURCES:
+            scenario, device = str(folder / SCENARIO), run.scenario.steering.kind
+            wanted.append(SteerWords(device=device, connect=report, robot=name, scenario=scenario))
+            view.note(f"to see it: {called()} console --connect {report} --robot {name}")
         for words in wanted:
             children.start(words.COMMAND, words.words())
         view.note(
@@ -83,6 +100,9 @@ def _run_programs(
             while True:
                 ended = children.ended()
                 view.update(reader.read(), clock.now_ns(), reader.connected())
+                if (words_of_hand := children.last_words("steer")) != said:
+                    said = words_of_hand
+                    view.note(said)
                 if ended or stop_event.wait(0.1):
                     break
     finally:
@@ -117,7 +137,7 @@ def _words(
             connect=(operator_side,),
             report=report,
             seed=run.seed,
-            time_limit=None if run.scenario.steering.kind == "remote" else run.time_limit,
+            time_limit=run.time_limit if DEVICES.get(run.scenario.steering.kind).ends_with_targets else None,
             record=str(folder / RECORDING),
             result=str(left / OPERATOR),
         ),

@@ -6,9 +6,16 @@ import pytest
 import typer
 
 from farhand.cli import app
-from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords
+from farhand.programs.command_line import (
+    ConsoleWords,
+    NetemWords,
+    OperatorWords,
+    RobotWords,
+    SteerWords,
+    SummariseWords,
+)
 
-ALL = [ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords]
+ALL = [ConsoleWords, NetemWords, OperatorWords, RobotWords, SteerWords, SummariseWords]
 
 
 def parameters(kind):
@@ -52,8 +59,9 @@ def test_the_command_reads_back_every_value(kind):
     for name, option in kind.options().items():
         got = tuple(by_option[option]) if isinstance(by_option[option], list) else by_option[option]
         assert got == values[name], option
-    if kind is SummariseWords:
-        assert found["folder"] == values["folder"]
+    for name, argument in ((SummariseWords, "folder"), (SteerWords, "device")):
+        if kind is name:
+            assert found[argument] == values[argument]
 
 
 @pytest.mark.parametrize("kind", [NetemWords, OperatorWords, RobotWords], ids=lambda kind: kind.COMMAND)

@@ -43,7 +43,9 @@ class Desk:
         self.source, self.now, self.told, self.waiting = source, 0, [], []
         self.device = Gamepad(settings)
         self.device.listen(self)
-        self.node = DeviceNode(Hand(settings, "gamepad"), self, SteeringSender("r", self, 1, "device", "gamepad"))
+        self.node = DeviceNode(
+            Hand(settings, "gamepad"), self, SteeringSender("r", self, 1, "device", "gamepad")
+        )
         self.reads, self.reports, self.seq = True, True, 0
         self.robot, self.report = {}, {}
         self._inbox = []
@@ -247,7 +249,9 @@ def test_a_joystick_without_a_mapping_has_raw_names_and_what_is_missing_is_said(
         desk.after(200)
         assert "it has no lefty" in desk.node.says
         assert desk.node.reading.inputs["axis0"] == 0.0
-        raw = GamepadSettings(**{each: "" for each in ("y", "z", "roll", "pitch", "yaw")}, x="-axis1", deadman="button0")
+        raw = GamepadSettings(
+            **dict.fromkeys(("y", "z", "roll", "pitch", "yaw"), ""), x="-axis1", deadman="button0"
+        )
         raw = Desk(source, raw)
         raw.after(200)
         stick.press("a")

@@ -5,7 +5,19 @@ import ctypes
 SDL_GAMECONTROLLER = 1
 AXES = ("leftx", "lefty", "rightx", "righty", "lefttrigger", "righttrigger")
 BUTTONS = (
-    *("a", "b", "x", "y", "back", "guide", "start", "leftstick", "rightstick", "leftshoulder", "rightshoulder"),
+    *(
+        "a",
+        "b",
+        "x",
+        "y",
+        "back",
+        "guide",
+        "start",
+        "leftstick",
+        "rightstick",
+        "leftshoulder",
+        "rightshoulder",
+    ),
     *("dpup", "dpdown", "dpleft", "dpright"),
 )
 
