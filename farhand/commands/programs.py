@@ -275,6 +275,21 @@ def steer(
     raise typer.Exit(steer_program(chosen, SteerOptions(robot=robot, connect=connect, realtime=realtime)))
 
 
+def devices(
+    watch: Annotated[bool, typer.Option("--watch", help="Show what they show, until Ctrl-C.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print JSON; with --watch, a line for each change.")
+    ] = False,
+) -> None:
+    """List the gamepads and SpaceMouses of this host, and the names of their axes and buttons.
+
+    Exit code 0: there are some. 1: there is none, and what to do is said.
+    """
+    from farhand.site.devices import list_devices
+
+    raise typer.Exit(list_devices(watch=watch, as_json=as_json))
+
+
 def tap(
     endpoint: Annotated[str, typer.Argument(help="Endpoint to connect to, such as tcp/127.0.0.1:7447.")],
     key: Annotated[str, typer.Option(help="Key expression to listen to.")] = "**",
@@ -301,6 +316,7 @@ def register(app: typer.Typer) -> None:
         watch,
         console,
         steer,
+        devices,
         tap,
     ):
         app.command()(command)

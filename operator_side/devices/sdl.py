@@ -66,7 +66,7 @@ class SdlSource:
 
     def found(self) -> list[dict[str, object]]:
         """See Source."""
-        self._pygame.event.get()
+        self._pygame.event.pump()
         rows: list[dict[str, object]] = []
         for index in range(self._pygame.joystick.get_count()):
             joystick = self._pygame.joystick.Joystick(index)
