@@ -54,7 +54,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
         left = Path(left_in)
         why = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
         code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left)
-    if not as_json and not browser:
+    if not as_json and not browser and run.scenario.steering.kind not in SOURCES:
         console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
     return 1 if why == INTERRUPTED else code
 

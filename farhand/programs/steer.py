@@ -19,7 +19,7 @@ from farhand.common.process.teller import Teller
 from farhand.common.scenario.section import own_settings
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
-from farhand.operator_side.devices.device_node import PERIOD, DeviceNode
+from farhand.operator_side.devices.device_node import DeviceNode
 from farhand.operator_side.devices.hand import Hand
 from farhand.operator_side.devices.playback_node import PlaybackNode
 from farhand.operator_side.devices.reading import Source
@@ -33,7 +33,8 @@ from farhand.operator_side.steering.sender import SteeringSender
 from farhand.programs.sessions import random_session
 from farhand.runs.scenario import Scenario
 
-RUMBLE_EVERY = 10
+READ_PERIOD = 0.005
+RUMBLE_EVERY = 20
 """Readings from one rumble to the next."""
 
 Work = Callable[[Callable[[], bool]], None]
@@ -80,7 +81,7 @@ def steer_program(scenario: Scenario, options: SteerOptions) -> int:
         loop = RealtimeLoop(node, clock, realtime=options.realtime)
         sending = threading.Thread(target=loop.run, name="steering", daemon=True)
         sending.start()
-        work(lambda: stop_event.wait(PERIOD) or not sending.is_alive())
+        work(lambda: stop_event.wait(READ_PERIOD) or not sending.is_alive())
         whole = sending.is_alive()
         loop.stop()
         sending.join(1.0)

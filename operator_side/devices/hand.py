@@ -81,11 +81,12 @@ class Hand:
         fresh = {name: down[name] and not self._was[name] for name in BUTTONS}
         self._was = down
         self._choose(fresh)
-        self._arm(reading, down["deadman"], fresh["deadman"], obstacles)
         acknowledge = fresh["acknowledge"] and not down["estop"] and not obstacles.lost
         if acknowledge:
             self._estop_ns = None
         estop = self._stops(down["estop"], now_ns)
+        free = not (estop or obstacles.lost or obstacles.stopped)
+        self._arm(reading, down["deadman"] and free, fresh["deadman"])
         wish = Wish(press=self._press, estop=estop, acknowledge=acknowledge)
         if self._armed:
             wish = self._moves(wish, reading)
@@ -122,8 +123,8 @@ class Hand:
             self._frame = "tool" if self._frame == "base" else "base"
             self._let_go()
 
-    def _arm(self, reading: Reading, down: bool, fresh: bool, obstacles: Obstacles) -> None:
-        if not down or obstacles.lost or obstacles.stopped:
+    def _arm(self, reading: Reading, may: bool, fresh: bool) -> None:
+        if not may:
             self._let_go()
         elif fresh:
             self._armed = True
@@ -138,7 +139,6 @@ class Hand:
     def _stops(self, down: bool, now_ns: int) -> bool:
         if down:
             self._estop_ns = now_ns
-            self._let_go()
         if self._estop_ns is not None and now_ns - self._estop_ns > ESTOP_FOR_NS:
             self._estop_ns = None
         return self._estop_ns is not None

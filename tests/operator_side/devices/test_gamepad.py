@@ -181,6 +181,9 @@ def test_an_outage_lets_go_and_what_is_held_all_along_moves_nothing_afterwards(d
     desk.reports, desk.report = gone != "operator", {"state_age": 2.0}
     assert not desk.moves(1500)
     assert "press anew" in desk.node.says
+    stick.press("start")
+    desk.after(50)
+    assert not any(each.acknowledge for each in desk.told)
     desk.reports, desk.report = True, {}
     assert not desk.moves(500)
 

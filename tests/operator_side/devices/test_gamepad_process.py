@@ -13,10 +13,12 @@ from farhand.common.link.link import Packet
 from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.codec import Decoder, encode
-from farhand.common.messages.keys import report_key, steering_key
+from farhand.common.messages.command import VelocityCommand
+from farhand.common.messages.keys import mirror_key, report_key, steering_key
 from farhand.common.messages.steering import Steering
 from farhand.common.timing.clock import SystemClock
-from farhand.testing import report
+from farhand.programs.command_line import OperatorWords, RobotWords
+from farhand.testing import Programs, report, short_task
 
 pytestmark = pytest.mark.realtime
 
@@ -146,3 +148,45 @@ def test_it_speaks_often_enough_and_the_end_of_the_program_gives_the_wheel_up(ga
     gamepad.process.send_signal(signal.SIGINT)
     operator.hears(lambda told: told.release)
     assert gamepad.process.wait(10) == 0
+
+
+def test_a_robot_is_driven_and_no_velocity_is_commanded_soon_after_it_is_unplugged(tmp_path):
+    """Robot and operator as they are: from the plug to the command that leaves the operator's program."""
+    meet, reports = (f"tcp/127.0.0.1:{port}" for port in free_ports(2))
+    scenario = str(short_task(tmp_path))
+    clock, arrived, decoder = SystemClock(), threading.Event(), Decoder(VelocityCommand)
+    with Programs(tmp_path) as programs:
+        programs.start(*RobotWords(scenario=scenario, robot="r", listen=(meet,)).words())
+        words = OperatorWords(scenario=scenario, robot="r", connect=(meet,), report=reports).words()
+        operator = programs.start(*words, "--steer", "gamepad")
+        operator.wait_for("steer gamepad --connect")
+        link = ZenohLink(open_session([reports]), [mirror_key("r", "command")], clock, arrived.set)
+        gamepad = Gamepad(reports)
+
+        def commanded(holds):
+            """When a command came of which it holds (ns)."""
+            end_ns = clock.now_ns() + PATIENCE_NS
+            while clock.now_ns() < end_ns:
+                arrived.wait(0.2)
+                arrived.clear()
+                for packet in link.receive():
+                    if holds(decoder.decode_or_raise(packet.payload)):
+                        return packet.arrived_ns
+            raise AssertionError("no such command")
+
+        try:
+            took_ms = []
+            for _ in range(3):  # the median, as the machine may be loaded
+                gamepad.until_it_says("hold rightshoulder to move")
+                gamepad.does("press rightshoulder")
+                commanded(lambda command: command.mode == "run")
+                gamepad.does("move lefty -1")
+                commanded(lambda command: command.velocity[0] > 0.1)
+                began_ns = clock.now_ns()
+                gamepad.does("unplug")
+                took_ms.append((commanded(lambda command: not any(command.velocity)) - began_ns) / 1e6)
+                gamepad.does("plug")
+            assert sorted(took_ms)[1] < HOLD_WITHIN_MS, took_ms
+        finally:
+            gamepad.end()
+            link.close()
