@@ -74,10 +74,10 @@ def steer_program(scenario: Scenario, options: SteerOptions) -> int:
         node: DeviceNode | PlaybackNode
         if isinstance(device, Playback):
             node = PlaybackNode(device, link, sender)
-            work = _play(node, teller.say)
+            work = playing(node, teller.say)
         else:
             node = DeviceNode(Hand(settings, kind), link, sender)
-            work = _read(device, node, clock, settings.rumble, teller.say)
+            work = reading(device, node, clock, settings.rumble, teller.say)
         loop = RealtimeLoop(node, clock, realtime=options.realtime)
         sending = threading.Thread(target=loop.run, name="steering", daemon=True)
         sending.start()
@@ -102,10 +102,10 @@ def _device(kind: str, settings: object, closing: ExitStack) -> Source | Playbac
     return source
 
 
-def _read(
+def reading(
     source: Source, node: DeviceNode, clock: SystemClock, rumble: float, tell: Callable[[str], None]
 ) -> Work:
-    """Read, have said what is new, and shake."""
+    """What reads a device, has said what is new, and shakes by what is not done."""
 
     def work(ends: Callable[[], bool]) -> None:
         said, readings, shaken = "", 0, False
@@ -124,8 +124,8 @@ def _read(
     return work
 
 
-def _play(node: PlaybackNode, tell: Callable[[str], None]) -> Work:
-    """Have said what is new, to the end."""
+def playing(node: PlaybackNode, tell: Callable[[str], None]) -> Work:
+    """What has said what is new, to the end of what is played."""
 
     def work(ends: Callable[[], bool]) -> None:
         said = ""

@@ -101,7 +101,8 @@ class Hand:
         elif self._plugged:
             self.says = "unplugged; plug it in again, then press anew"
         elif not self.says:
-            self.says = f"no {self._kind} is plugged in; it is found by itself"
+            named = f" named {self._settings.name!r}" if self._settings.name else ""
+            self.says = f"no {self._kind}{named} is plugged in; it is found by itself"
         self._let_go()
         self._plugged = 0
         release, self.drives = self.drives, False

@@ -139,6 +139,32 @@ def test_an_unplugged_gamepad_holds_and_plugged_in_again_moves_nothing_before_a_
     assert desk.moves()
 
 
+def test_another_gamepad_takes_the_place_of_one_that_is_unplugged_by_a_fresh_press(desk, stick):
+    other = VirtualJoystick()
+    try:
+        desk.after(50)
+        other.press("rightshoulder")
+        assert not desk.after(50).engaged  # the first one is read
+        stick.press("rightshoulder")
+        assert desk.after(50).engaged
+        stick.unplug()
+        assert not desk.after(200).engaged
+        other.release("rightshoulder")
+        desk.after(20)
+        other.press("rightshoulder")
+        assert desk.after(20).engaged
+    finally:
+        other.unplug()
+
+
+def test_it_shakes_without_a_word_where_it_cannot(source, stick):
+    source.read(0)
+    source.rumble(0.5)
+    source.rumble(0.0)
+    stick.unplug()
+    source.rumble(0.5)
+
+
 def test_a_stick_that_drifts_moves_nothing_by_itself(desk, stick):
     stick.move(leftx=0.4)
     assert not desk.moves(HOLD_WITHIN_MS)

@@ -43,13 +43,15 @@ class VirtualJoystick:
         self._index = self._sdl.SDL_JoystickAttachVirtual(self._kind, len(AXES), len(BUTTONS), 0)
         assert self._index >= 0
         self._joystick = ctypes.c_void_p(self._sdl.SDL_JoystickOpen(self._index))
+        self._id = self._sdl.SDL_JoystickInstanceID(self._joystick)
         for name in AXES[4:]:
             self.move(**{name: -1.0})  # a trigger that nobody pulls
 
     def unplug(self):
         if self._joystick is not None:
             self._joystick = None
-            assert self._sdl.SDL_JoystickDetachVirtual(self._index) == 0
+            ids = [self._sdl.SDL_JoystickGetDeviceInstanceID(n) for n in range(self._sdl.SDL_NumJoysticks())]
+            assert self._sdl.SDL_JoystickDetachVirtual(ids.index(self._id)) == 0
 
     def move(self, **axes):
         for name, value in axes.items():
