@@ -19,6 +19,7 @@ from farhand.common.process.teller import Teller
 from farhand.common.scenario.section import own_settings
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
+from farhand.common.timing.realtime import request_realtime
 from farhand.operator_side.devices.device_node import DeviceNode
 from farhand.operator_side.devices.hand import Hand
 from farhand.operator_side.devices.playback_node import PlaybackNode
@@ -81,6 +82,8 @@ def steer_program(scenario: Scenario, options: SteerOptions) -> int:
         loop = RealtimeLoop(node, clock, realtime=options.realtime)
         sending = threading.Thread(target=loop.run, name="steering", daemon=True)
         sending.start()
+        if options.realtime:
+            request_realtime()  # or a busy machine lets the reading look frozen
         work(lambda: stop_event.wait(READ_PERIOD) or not sending.is_alive())
         whole = sending.is_alive()
         loop.stop()

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import threading
+from collections import deque
 
 import pytest
 
@@ -17,6 +18,7 @@ from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import mirror_key, report_key, steering_key
 from farhand.common.messages.steering import Steering
 from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.realtime import request_realtime
 from farhand.programs.command_line import OperatorWords, RobotWords
 from farhand.testing import Programs, report, short_task
 
@@ -34,12 +36,13 @@ class Operator:
         self.link = ZenohLink(
             open_session(listen=[endpoint]), [steering_key("r")], self.clock, self.arrived.set
         )
-        self.decoder, self.told = Decoder(Steering), []
+        self.decoder, self.told, self.waiting = Decoder(Steering), [], deque()
         self.ending = threading.Event()
         self.thread = threading.Thread(target=self._report)
         self.thread.start()
 
     def _report(self):
+        request_realtime()  # as an operator's program does: a loaded machine must not look like a lost link
         while not self.ending.wait(0.1):
             self.seq += 1
             payload = encode(report(seq=self.seq, safety="run"))
@@ -49,14 +52,16 @@ class Operator:
         """When a message came of which it holds, of those from now on (ns)."""
         end_ns = self.clock.now_ns() + PATIENCE_NS
         while self.clock.now_ns() < end_ns:
-            self.arrived.wait(0.2)
-            self.arrived.clear()
-            for packet in self.link.receive():
+            while self.waiting:
+                packet = self.waiting.popleft()
                 steering = self.decoder.decode_or_raise(packet.payload)
                 self.told.append((packet.arrived_ns, steering))
                 if holds(steering):
                     return packet.arrived_ns
-        raise AssertionError("no such message")
+            self.arrived.wait(0.2)
+            self.arrived.clear()
+            self.waiting.extend(self.link.receive())
+        raise AssertionError(f"no such message after {self.told[-3:]}")
 
     def close(self):
         self.ending.set()
@@ -141,10 +146,10 @@ def test_it_speaks_often_enough_and_the_end_of_the_program_gives_the_wheel_up(ga
     drives(gamepad, operator)
     for _ in range(100):
         operator.hears(lambda told: told.engaged)
-    newest = [at_ns for at_ns, _ in operator.told[-100:]]
+    newest = [told.t_sent_ns for _, told in operator.told[-100:]]
     assert (newest[-1] - newest[0]) / 99 < 1e9 / 30
     seqs = [told.seq for _, told in operator.told]
-    assert seqs == list(range(len(seqs)))
+    assert seqs == sorted(set(seqs))
     gamepad.process.send_signal(signal.SIGINT)
     operator.hears(lambda told: told.release)
     assert gamepad.process.wait(10) == 0
