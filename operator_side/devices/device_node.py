@@ -3,13 +3,16 @@
 from farhand.common.link.link import Link
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
-from farhand.operator_side.devices.hand import Hand
+from farhand.operator_side.devices.hand import Hand, Obstacles
 from farhand.operator_side.devices.hearing import Hearing
 from farhand.operator_side.devices.reading import Reading
 from farhand.operator_side.steering.sender import SteeringSender
 from farhand.operator_side.steering.wish import Wish
 
 PERIOD = 0.01
+REFUSED = (
+    "the operator's program does not take this hand: another has the wheel, or it was not heard; press anew"
+)
 
 
 class DeviceNode:
@@ -29,6 +32,7 @@ class DeviceNode:
         self.strength, self.says = 0.0, ""
         self._hand, self._link, self._sender = hand, link, sender
         self._hearing = Hearing()
+        self._pressed_ns: int | None = None
         self._ticks = Periodic(to_ns(PERIOD))
 
     def step(self, now_ns: int) -> int | None:
@@ -36,10 +40,18 @@ class DeviceNode:
         if self._ticks.due(now_ns):
             for packet in self._link.receive():
                 self._hearing.take(packet)
-            wish = self._hand.feel(self.reading, now_ns, self._hearing.obstacles(now_ns))
+            obstacles = self._hearing.obstacles(now_ns)
+            if self._pressed_ns is not None and self._hearing.refuses(self._pressed_ns, now_ns):
+                obstacles = Obstacles(lost=REFUSED)
+            wish = self._hand.feel(self.reading, now_ns, obstacles)
+            if not wish.engaged:
+                self._pressed_ns = None
+            elif self._pressed_ns is None:
+                self._pressed_ns = now_ns
             self._sender.send(wish, now_ns, drives=self._hand.drives)
             self.strength = self._hearing.resistance(now_ns) if wish.engaged else 0.0
-            self.says = self._hand.says
+            if self.says != REFUSED or not self._hand.waits_for_release:
+                self.says = self._hand.says
         return self._ticks.next_ns
 
     def leave(self, now_ns: int) -> None:

@@ -48,10 +48,11 @@ class Hand:
     Attributes:
         drives: whether it has moved something and not given the wheel up since.
         says: for people: what it does, or what it waits for.
+        waits_for_release: whether the deadman is down, and nothing but a fresh press can move anything.
     """
 
     def __init__(self, settings: HandSettings, kind: str) -> None:
-        self.drives, self.says = False, ""
+        self.drives, self.says, self.waits_for_release = False, "", False
         self._settings, self._kind = settings, kind
         self._axes = {name: settings.inputs(name) for name in AXES}
         self._buttons = {name: settings.inputs(name) for name in BUTTONS}
@@ -91,7 +92,8 @@ class Hand:
         if self._armed:
             wish = self._moves(wish, reading)
         self.drives = self.drives or self._armed or acknowledge
-        self._say(reading, obstacles, down["deadman"])
+        self.waits_for_release = down["deadman"] and free and not self._armed
+        self._say(reading, obstacles)
         return self._given_up(wish, now_ns)
 
     def _without(self, reading: Reading | None, now_ns: int) -> Wish:
@@ -104,7 +106,7 @@ class Hand:
             named = f" named {self._settings.name!r}" if self._settings.name else ""
             self.says = f"no {self._kind}{named} is plugged in; it is found by itself"
         self._let_go()
-        self._plugged = 0
+        self._plugged, self.waits_for_release = 0, False
         release, self.drives = self.drives, False
         return Wish(press=self._press, estop=self._stops(False, now_ns), release=release)
 
@@ -171,9 +173,11 @@ class Hand:
             return replace(wish, release=True)
         return wish
 
-    def _say(self, reading: Reading, obstacles: Obstacles, down: bool) -> None:
+    def _say(self, reading: Reading, obstacles: Obstacles) -> None:
         deadman = self._settings.deadman
-        if obstacles.lost:
+        if self._estop_ns is not None and not obstacles.stopped:
+            self.says = "emergency stop asked for"
+        elif obstacles.lost:
             self.says = obstacles.lost
         elif obstacles.stopped:
             clears = f"press {self._settings.acknowledge}" if self._settings.acknowledge else "acknowledge it"
@@ -181,7 +185,7 @@ class Hand:
         elif self._armed:
             parked = f"; let go of {', '.join(sorted(self._parked))} once" if self._parked else ""
             self.says = f"{self._frame} frame, speed {self.scale * 100:.0f} %{parked}"
-        elif down:
+        elif self.waits_for_release:
             self.says = f"{reading.device}: let go of {deadman}, and press anew"
         else:
             self.says = f"{reading.device}: hold {deadman} to move{self._lacking(reading)}"

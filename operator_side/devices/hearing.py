@@ -6,7 +6,10 @@ from farhand.common.messages.echo import Newest
 from farhand.common.messages.report import ControlReport
 from farhand.operator_side.devices.hand import Obstacles
 from farhand.operator_side.devices.resistance import resistance
+from farhand.operator_side.supervision import NOT_ENGAGED
 
+TAKES_NS = 500_000_000
+"""So long after a press the operator's program must have taken it."""
 LOST_AFTER = 1.0
 """Without news for so long nobody drives (s)."""
 _LATCHED = ("stopped", "estop")
@@ -40,6 +43,11 @@ class Hearing:
         if report.safety in _LATCHED:
             return Obstacles(stopped=f"the robot has latched a stop: {report.safety_reason}")
         return Obstacles()
+
+    def refuses(self, pressed_ns: int, now_ns: int) -> bool:
+        """Whether the newest report is of long after a press, and the operator's program takes no hand."""
+        late = min(now_ns, self._newest.arrived_ns) - pressed_ns > TAKES_NS
+        return late and self.report is not None and self.report.stop_reason == NOT_ENGAGED
 
     def resistance(self, now_ns: int) -> float:
         """How much of what is asked is not done, 0..1; what is lost is felt as nothing."""

@@ -178,6 +178,20 @@ def test_a_stick_that_drifts_moves_nothing_by_itself(desk, stick):
     assert desk.after(50).velocity[1] < -0.1
 
 
+def test_a_hand_that_the_operators_program_does_not_take_is_told_and_must_press_anew(desk, stick):
+    stick.press("rightshoulder")
+    desk.report = {"stop_reason": "device not engaged"}
+    assert desk.after(400).engaged
+    desk.after(400)
+    assert not desk.told[-1].engaged
+    assert "does not take this hand" in desk.node.says
+    stick.release("rightshoulder")
+    desk.after(20)
+    assert "hold rightshoulder" in desk.node.says
+    stick.press("rightshoulder")
+    assert desk.after(20).engaged
+
+
 def test_a_frozen_reading_lets_go(desk, stick):
     stick.press("rightshoulder")
     desk.after(20)

@@ -168,9 +168,9 @@ def test_a_robot_is_driven_and_no_velocity_is_commanded_soon_after_it_is_unplugg
         link = ZenohLink(open_session([reports]), [mirror_key("r", "command")], clock, arrived.set)
         gamepad = Gamepad(reports)
 
-        def commanded(holds):
+        def commanded(holds, patience_ns=PATIENCE_NS):
             """When a command came of which it holds (ns)."""
-            end_ns = clock.now_ns() + PATIENCE_NS
+            end_ns = clock.now_ns() + patience_ns
             while clock.now_ns() < end_ns:
                 arrived.wait(0.2)
                 arrived.clear()
@@ -182,9 +182,15 @@ def test_a_robot_is_driven_and_no_velocity_is_commanded_soon_after_it_is_unplugg
         try:
             took_ms = []
             for _ in range(3):  # the median, as the machine may be loaded
-                gamepad.until_it_says("hold rightshoulder to move")
-                gamepad.does("press rightshoulder")
-                commanded(lambda command: command.mode == "run")
+                for tries in range(20, -1, -1):  # as often as a loaded machine lets go of it
+                    gamepad.until_it_says("hold rightshoulder to move")
+                    gamepad.does("press rightshoulder")
+                    try:
+                        commanded(lambda command: command.mode == "run", PATIENCE_NS // 10)
+                        break
+                    except AssertionError:
+                        assert tries
+                        gamepad.does("release rightshoulder")
                 gamepad.does("move lefty -1")
                 commanded(lambda command: command.velocity[0] > 0.1)
                 began_ns = clock.now_ns()
