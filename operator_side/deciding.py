@@ -173,10 +173,11 @@ class Decider:
         mind = self._know_the_robot()
         steering, look = None, None
         if state is not None and scene is not None and mind is not None:
-            self.targets.update(state, scene, driving=state.holder == self._session)
+            driving = state.holder == self._session
+            self.targets.update(state, scene, driving=driving)
             prediction, margin = self._look_ahead(mind, state, seq, now_ns)
             look = Look(state, scene, prediction, margin)
-            view = View(state, scene, self.targets, now_ns, self._free(mind, prediction))
+            view = View(state, scene, self.targets, now_ns, self._free(mind, prediction), driving)
             steering = checked_steering(self._device.read(view))
         self._supervision.twins = self._perception.twins(now_ns)
         decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)

@@ -156,7 +156,7 @@ def run_operator(
 
     def over(now_ns: int) -> bool:
         late = limit.is_up(now_ns)
-        done = node.finished and node.device.ends_with_targets
+        done = (node.finished and node.device.ends_with_targets) or node.device.over
         return done or bool(node.fault) or late or stop_event.is_set()
 
     loop = RealtimeLoop(node, clock, realtime=realtime, until=over)

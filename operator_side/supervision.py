@@ -28,6 +28,8 @@ from farhand.common.messages.command import CommandMode
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.device import SteeringInput
 
+NOT_ENGAGED = "device not engaged"
+"""What is said of a device that holds nothing down."""
 ASK_PERIOD_NS = 1_000_000_000
 ESTOP_ASKED = "emergency stop, asked for by `farhand estop`"
 _TWINS = "two robots call themselves {!r}; end one, or give it another --robot"
@@ -94,7 +96,7 @@ def decide(state: RobotState | None, lacking: str, steering: SteeringInput | Non
     if state.holder == 0:
         return Decision("acknowledge", "asking for control")
     if not steering.engaged:
-        return Decision("hold", "device not engaged")
+        return Decision("hold", NOT_ENGAGED)
     return Decision("run")
 
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Makes .venv with the pinned dependencies. PYTHON names another interpreter; `make-environment.sh tests` adds what
-# tests, checks, Dask and Parquet need.
+# tests, checks, Dask, Parquet and a SpaceMouse need.
 #
 # pybullet has wheels for Python 3.10 and 3.11 only. For a newer one it is built from its source, once; the wheel is
 # kept in $XDG_CACHE_HOME/farhand/wheels (~/.cache/farhand/wheels).
@@ -60,10 +60,10 @@ if needs_build .venv/bin/python; then
     pip wheel --no-deps --wheel-dir "$kept" "$pinned" || fail "pybullet could not be built; $advice"
 fi
 
-extras=""
-[ "${1:-}" != tests ] || extras="[dev,dask,parquet]"
+extras="[gamepad]"
+[ "${1:-}" != tests ] || extras="[dev,dask,parquet,gamepad,spacemouse]"
 what="1.2 GB"
-[ -z "$extras" ] || what="1.5 GB, with what tests and checks need"
+[ "${1:-}" != tests ] || what="1.5 GB, with what tests and checks need"
 echo "farhand: installing the pinned dependencies into .venv ($what; one to four minutes the first time)"
 pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
 # Environments that were made before had only the UR5's description left.
@@ -73,5 +73,5 @@ fi
 .venv/bin/python scripts/slim_environment.py .venv
 .venv/bin/python -m farhand.laboratory.warm | sed "s/^/farhand: /"
 touch .venv/.ready
-[ -z "$extras" ] || touch .venv/.ready-tests
+[ "${1:-}" != tests ] || touch .venv/.ready-tests
 echo "farhand: ready, .venv/bin/farhand"

@@ -1,7 +1,8 @@
 """Take out of a developer's environment what weighs much and nothing opens: `slim_environment.py ENVIRONMENT`.
 
-Headers and build files, descriptions of robots that are not used, and second copies of libraries, which become
-links. What it does not find is gone already. The container's image goes further: docker/slim.py.
+Headers and build files, descriptions of robots that are not used, pygame's documentation, examples and tests, and
+second copies of libraries, which become links. What it does not find is gone already. The container's image goes
+further: docker/slim.py.
 """
 
 import sys
@@ -13,6 +14,8 @@ from slim import GROUPS, ROBOTS, link_copies, remove, unused_descriptions
 SUFFIXES = ("**/*.pyi", "**/*.h", "**/*.hpp", "**/*.pxd", "**/*.la")
 """Stay: type checkers and compilers read them, and they weigh little."""
 
+PYGAMES_OWN = ("pygame/docs", "pygame/examples", "pygame/tests")
+
 
 def slim(environment: Path) -> None:
     """Make an environment lighter."""
@@ -20,6 +23,8 @@ def slim(environment: Path) -> None:
     for pattern in GROUPS["headers, build files"]:
         if pattern not in SUFFIXES:
             remove(folder.glob(pattern))
+    for name in PYGAMES_OWN:
+        remove(folder.glob(name))
     robots = folder / ROBOTS
     if robots.is_dir():
         remove(unused_descriptions(robots))

@@ -25,6 +25,6 @@ echo "farhand: proving $("$python" --version)"
 "$python" -m venv "$place/venv"
 # Farhand is installed too: its pytest plugin, and the version in every result, are those of an installed package.
 "$place/venv/bin/python" -m pip install -qq --disable-pip-version-check --find-links "$kept" --constraint requirements.lock \
-    --editable ".[dev,dask,parquet]"
+    --editable ".[dev,dask,parquet,gamepad,spacemouse]"
 "$place/venv/bin/python" -m farhand demo --scenario point-obstacle --out "$place/demo"
 "$place/venv/bin/python" -m pytest -q -m "not realtime and not hosts and not slow" --ignore tests/docker -p no:cacheprovider

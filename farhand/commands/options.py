@@ -1,5 +1,6 @@
 """Options that several commands share, and what they mean."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -42,9 +43,8 @@ PredictorOption = Annotated[
 SolverOption = Annotated[
     str | None, typer.Option(metavar=" | ".join(SOLVERS.names()), help="Solver (default: scenario's).")
 ]
-SteerOption = Annotated[
-    str | None, typer.Option(metavar=" | ".join(DEVICES.names()), help="What steers (default: scenario's).")
-]
+STEERS = " | ".join("recorded:RUN" if name == "recorded" else name for name in DEVICES.names())
+SteerOption = Annotated[str | None, typer.Option(metavar=STEERS, help="What steers (default: scenario's).")]
 GuardOption = Annotated[
     str | None,
     typer.Option(
@@ -117,6 +117,8 @@ def chosen_scenario(
     for option, value in kinds.items():
         key, known = _KINDS[option]
         if value is not None:
+            if option == "steer" and value.partition(":")[0] == "recorded":
+                value, replaced["steering.recorded.run"] = "recorded", _recording(value)
             if value not in known:
                 known.get(value, f"--{option}")
             replaced[key] = value
@@ -126,6 +128,21 @@ def chosen_scenario(
         replaced["guard.on"] = guard == "on"
     replaced.update(parse_setting(setting) for setting in settings or [])
     return replace_settings(load_scenario(name), replaced)
+
+
+def _recording(steer: str) -> str:
+    """The file of `recorded:RUN`, which can be played; raises InputError."""
+    from farhand.laboratory.replay import find_recording
+    from farhand.operator_side.steering.course import read_course
+
+    _, _, run = steer.partition(":")
+    if not run:
+        raise InputError(
+            "--steer recorded: names no run; say --steer recorded:RUN, a run's folder or its recording"
+        )
+    path = find_recording(Path(run)).resolve()
+    read_course(path)
+    return str(path)
 
 
 def chosen_network(

@@ -311,6 +311,41 @@ def console(
     raise typer.Exit(console_program(options))
 
 
+def steer(
+    device: Annotated[
+        str, typer.Argument(metavar="gamepad | spacemouse | recorded:RUN", help="What steers.")
+    ],
+    connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+    scenario: ScenarioOption = "ur5-obstacle",
+    settings: SetOption = None,
+    realtime: RealtimeOption = True,
+) -> None:
+    """Drive with a device of this host, beside a running `farhand operator --steer remote` (or of the same device).
+
+    What its axes and buttons do is in [steering.gamepad] of the scenario, and in --set steering.gamepad.x=...
+    """
+    from farhand.programs.steer import SteerOptions, steer_program
+
+    chosen = chosen_scenario(scenario, settings, steer=device)
+    raise typer.Exit(steer_program(chosen, SteerOptions(robot=robot, connect=connect, realtime=realtime)))
+
+
+def devices(
+    watch: Annotated[bool, typer.Option("--watch", help="Show what they show, until Ctrl-C.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print JSON; with --watch, a line for each change.")
+    ] = False,
+) -> None:
+    """List the gamepads and SpaceMouses of this host, and the names of their axes and buttons.
+
+    Exit code 0: there are some. 1: there is none, and what to do is said.
+    """
+    from farhand.site.devices import list_devices
+
+    raise typer.Exit(list_devices(watch=watch, as_json=as_json))
+
+
 def tap(
     endpoint: Annotated[str, typer.Argument(help="Endpoint to connect to, such as tcp/127.0.0.1:7447.")],
     key: Annotated[str, typer.Option(help="Key expression to listen to.")] = "**",
@@ -338,6 +373,8 @@ def register(app: typer.Typer) -> None:
         watch,
         record,
         console,
+        steer,
+        devices,
         tap,
     ):
         app.command()(command)

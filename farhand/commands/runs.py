@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from farhand.commands.options import (
+    STEERS,
     DownlinkOption,
     GuardOption,
     JsonOption,
@@ -24,7 +25,6 @@ from farhand.commands.options import (
     chosen_scenario,
 )
 from farhand.common.errors import InputError
-from farhand.operator_side.steering.registry import DEVICES
 
 OutOption = Annotated[
     Path | None, typer.Option("--out", help="Folder for the results (default: runs/<time>-<scenario>).")
@@ -33,8 +33,8 @@ ForceOption = Annotated[bool, typer.Option("--force", help="Replace the run that
 DemoSteerOption = Annotated[
     str | None,
     typer.Option(
-        metavar=" | ".join([*DEVICES.names(), "browser"]),
-        help="What steers (default: scenario's); browser: you, in a browser.",
+        metavar=f"{STEERS} | browser",
+        help="What steers (default: scenario's); browser: you, in a browser; gamepad, spacemouse: you, at that.",
     ),
 ]
 
@@ -68,7 +68,7 @@ def demo(
 ) -> None:
     """Drive a robot past an obstacle over an emulated network: three programs, one live status, one summary.
 
-    With --steer browser you drive it, without a time limit, until Ctrl-C.
+    With --steer browser, gamepad or spacemouse you drive it, without a time limit, until Ctrl-C.
 
     Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
     """

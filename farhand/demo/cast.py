@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from farhand.common.link.ports import free_ports
+from farhand.operator_side.devices.sources import SOURCES
+from farhand.operator_side.steering.registry import DEVICES
 from farhand.programs.command_line import (
     CameraWords,
     ConsoleWords,
@@ -11,6 +13,7 @@ from farhand.programs.command_line import (
     OperatorWords,
     RecordWords,
     RobotWords,
+    SteerWords,
     Words,
 )
 from farhand.programs.wiring import OPERATOR_NAME
@@ -19,7 +22,7 @@ from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
 from farhand.runs.run_folder import write_scenario
 
-RECORD, CAMERA = RecordWords.COMMAND, CameraWords.COMMAND
+RECORD, CAMERA, STEER = RecordWords.COMMAND, CameraWords.COMMAND, SteerWords.COMMAND
 BESIDE = (RECORD, CAMERA)
 """Without these a demo goes on."""
 
@@ -90,7 +93,7 @@ def cast_of(run: Run, folder: Path, left: Path, hands: Hands) -> Cast:
             connect=(operator_side,),
             report=report,
             seed=run.seed,
-            time_limit=None if run.scenario.steering.kind == "remote" else run.time_limit,
+            time_limit=run.time_limit if DEVICES.get(run.scenario.steering.kind).ends_with_targets else None,
             result=str(left / OPERATOR),
         ),
         RecordWords(out=str(folder / RECORDING), connect=report, netem=control, robot=robot),
@@ -99,6 +102,9 @@ def cast_of(run: Run, folder: Path, left: Path, hands: Hands) -> Cast:
         programs.append(
             ConsoleWords(connect=report, listen=f"127.0.0.1:{page}", robot=robot, opens=hands.opens)
         )
+    if run.scenario.steering.kind in SOURCES:
+        device = run.scenario.steering.kind
+        programs.append(SteerWords(device=device, connect=report, robot=robot, scenario=scenario))
     if filmed:  # it hears the robot on an endpoint of its own, as no network lies between
         connect = (beside_robot, robot_side)
         programs.append(CameraWords(camera=hands.camera, scenario=scenario, robot=robot, connect=connect))

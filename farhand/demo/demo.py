@@ -10,10 +10,11 @@ from farhand.common.process.called import called
 from farhand.common.process.console import page
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
-from farhand.demo.cast import BESIDE, CAMERA, RECORD, Cast, Hands, cast_of
+from farhand.demo.cast import BESIDE, CAMERA, RECORD, STEER, Cast, Hands, cast_of
 from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.devices.sources import SOURCES, check_library
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.runs.conclude import conclude
 from farhand.runs.run import Run
@@ -40,6 +41,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
+    check_library(run.scenario.steering.kind)
     prepare_robot_aloud(run.scenario, lambda line: say("demo", line))  # the robot's program finds it compiled
     run.check()
     folder = make_run_folder(out, run.scenario.name, force=force)
@@ -52,7 +54,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
         cast = cast_of(run, folder, left, hands)
         end = _play(cast, run.scenario.robot.kind, folder, stop_event, StatusView(title, console))
         code = conclude(run, folder, console, why=end.why, as_json=as_json, left_in=left, note=end.note)
-    if not as_json and not hands.browser:
+    if not as_json and not hands.browser and run.scenario.steering.kind not in SOURCES:
         console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
     return 1 if end.why == INTERRUPTED else code
 
@@ -73,6 +75,7 @@ def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, vie
     children = Children(folder, clock)
     reader: ReportReader | None = None
     gone: dict[str, int] = {}
+    said = ""
     try:
         if cast.page:
             view.note(f"drive at {cast.page}")
@@ -80,6 +83,8 @@ def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, vie
             children.start(words.COMMAND, words.words())
         elsewhere = f"{called()} watch --connect {cast.report} --robot {robot}"
         view.note(f"elsewhere: {elsewhere}; to stop it: estop in place of watch")
+        if any(words.COMMAND == STEER for words in cast.programs):
+            view.note(f"to see it: {called()} console --connect {cast.report} --robot {robot}")
         reader = ReportReader(cast.report, robot, clock)
         filmed = True
         with view:
@@ -89,6 +94,9 @@ def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, vie
                 if filmed and CAMERA in ended:
                     filmed = False
                     view.note(f"no camera any more: {children.last_words(CAMERA)}")
+                if (words_of_hand := children.last_words(STEER)) != said:
+                    said = words_of_hand
+                    view.note(said)
                 view.update(reader.read(), clock.now_ns(), reader.connected())
     finally:
         if reader is not None:

@@ -3,12 +3,15 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from farhand.common.errors import InputError
 from farhand.common.process.console import page
 from farhand.common.process.outputs import survive
 from farhand.common.process.signals import say, stopped_by_signals
 from farhand.laboratory.simulation import simulate_run
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.result import sample_of
+from farhand.operator_side.steering.registry import DEVICES
+from farhand.operator_side.steering.remote import Remote
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.runs.figure import draw_run
 from farhand.runs.files import FIGURE, RECORDING, SCENARIO, SUMMARY
@@ -23,6 +26,7 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = F
 
     Ctrl-C, SIGTERM or SIGHUP end it where it is, with the summary of what was.
     """
+    _check_device(run)
     run.check()
     folder = make_run_folder(out, run.scenario.name, force=force)
 
@@ -51,3 +55,13 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = F
     console = page(stderr=as_json)
     print_outcome(result.summary, folder if written else None, figure, console, as_json=as_json)
     return result.summary.exit_code
+
+
+def _check_device(run: Run) -> None:
+    """Raise InputError where a hand would have to steer."""
+    kind = run.scenario.steering.kind
+    if issubclass(DEVICES.get(kind, "steering.kind"), Remote):
+        raise InputError(
+            f"--steer {kind}: nobody steers in virtual time; say `farhand demo`, or --steer recorded:RUN, which plays "
+            "what was asked in a recorded run"
+        )

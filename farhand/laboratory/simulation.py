@@ -195,7 +195,7 @@ class _World:
             why = INTERRUPTED
         elif not operator.finished:
             why = unfinished(self._tally.last, run)
-            if not operator.fault:
+            if not operator.fault and not operator.device.over:
                 why = f"not finished within {run.time_limit:g} s: {why}"
         summary = summarise(run, results, real_time=False, why=why)
         assert results.netem is not None
@@ -292,7 +292,7 @@ def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int, stop:
     if operator.driving_since_ns is not None:
         executor.run_until(
             operator.driving_since_ns + limit_ns,
-            lambda: operator.finished or bool(operator.fault) or stop(),
+            lambda: operator.finished or operator.device.over or bool(operator.fault) or stop(),
         )
     return executor.clock.now_ns()
 

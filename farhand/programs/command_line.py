@@ -171,6 +171,23 @@ class ConsoleWords(Words):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SteerWords(Words):
+    """`farhand steer`.
+
+    Attributes:
+        device: what steers.
+    """
+
+    COMMAND: ClassVar[str] = "steer"
+
+    device: str = field(metadata={"argument": True})
+    connect: str = ""
+    robot: str = ""
+    scenario: str = ""
+    settings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class SummariseWords(ControlChoice):
     """`farhand summarise`.
 

@@ -23,6 +23,7 @@ from farhand.common.messages.keys import (
 )
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
+from farhand.common.process.called import called
 from farhand.common.process.outputs import survive
 from farhand.common.process.security import Access, guard, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
@@ -35,6 +36,7 @@ from farhand.common.trust.tls import TlsFolder
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
+from farhand.operator_side.devices.sources import SOURCES
 from farhand.operator_side.main import Mirror, MirroredLink, OperatorOutcome, ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
@@ -156,6 +158,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         closing.callback(link.close)
         guard(session, folder, robot, "operator", teller.say)
         teller.say(f"{called}: drives robot {robot!r} at {access.where}; Ctrl-C ends it")
+        _invite(scenario.steering.kind, options, teller.say)
         identity = OperatorIdentity(robot, random_session(), called)
         report_link: ZenohLink | None = None
         if report_session is not None:
@@ -201,8 +204,16 @@ def _device(scenario: Scenario, options: OperatorOptions) -> SteeringDevice:
     """What steers; raises InputError where it is steered from other programs and could not hear them."""
     device = make_device(scenario.steering)
     if isinstance(device, Remote) and not options.report:
-        raise InputError("--steer remote: needs --report ENDPOINT, where consoles and gamepads are heard")
+        kind = scenario.steering.kind
+        raise InputError(f"--steer {kind}: needs --report ENDPOINT, where consoles and gamepads are heard")
     return device
+
+
+def _invite(kind: str, options: OperatorOptions, say: Callable[[str], None]) -> None:
+    """Say how a hand comes to the device that is to steer, if it is one of this host."""
+    if kind in SOURCES:
+        hand = f"steer {kind} --connect {options.report} --robot {options.robot}"
+        say(f"waits for a hand: `{called()} {hand}`")
 
 
 def _report_link(session: zenoh.Session, robot: str, device: SteeringDevice, clock: SystemClock) -> ZenohLink:

@@ -43,6 +43,7 @@ class View:
         targets: progress of the task, `targets.next` the one to reach now.
         now_ns: beginning of the tick.
         free: of several velocities (m/s), which the filter would let pass nearly as they are: `free([velocity])[0]`.
+        driving: whether this operator holds control.
     """
 
     state: RobotState
@@ -50,6 +51,7 @@ class View:
     targets: Targets
     now_ns: int
     free: Free = everything_is_free
+    driving: bool = True
 
 
 class SteeringDevice(ABC):
@@ -62,11 +64,13 @@ class SteeringDevice(ABC):
         Settings: the type of its own settings, read from the table `[steering.NAME]`.
         acknowledges_itself: whether it clears latched stops without a person, which is said to people.
         ends_with_targets: whether the operator's program ends with the last target; a person decides that alone.
+        over: whether it has nothing more to ask, ever: the program ends.
     """
 
     Settings: ClassVar[type[Section]] = NoSettings
     acknowledges_itself: ClassVar[bool] = False
     ends_with_targets: ClassVar[bool] = True
+    over: bool = False
 
     def __init__(self, settings: Any = None) -> None:
         self.settings = settings

@@ -16,6 +16,9 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
     {
         "tester": "farhand.operator_side.steering.tester:Tester",
         "remote": "farhand.operator_side.steering.remote:Remote",
+        "gamepad": "farhand.operator_side.steering.gamepad:Gamepad",
+        "spacemouse": "farhand.operator_side.steering.spacemouse:Spacemouse",
+        "recorded": "farhand.operator_side.steering.recorded:Recorded",
     },
 )
 

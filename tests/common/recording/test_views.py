@@ -1,4 +1,4 @@
-"""What a run's file tells beside the bytes: every message as JSON, to seven digits, and pictures without their bytes."""
+"""What a run tells beside its bytes: messages as JSON, to seven digits, and pictures without their bytes."""
 
 import io
 

@@ -11,11 +11,22 @@ from farhand.programs.command_line import (
     ConsoleWords,
     NetemWords,
     OperatorWords,
+    RecordWords,
     RobotWords,
+    SteerWords,
     SummariseWords,
 )
 
-ALL = [CameraWords, ConsoleWords, NetemWords, OperatorWords, RobotWords, SummariseWords]
+ALL = [
+    CameraWords,
+    ConsoleWords,
+    NetemWords,
+    OperatorWords,
+    RecordWords,
+    RobotWords,
+    SteerWords,
+    SummariseWords,
+]
 
 
 def parameters(kind):
@@ -59,8 +70,9 @@ def test_the_command_reads_back_every_value(kind):
     for name, option in kind.options().items():
         got = tuple(by_option[option]) if isinstance(by_option[option], list) else by_option[option]
         assert got == values[name], option
-    if kind is SummariseWords:
-        assert found["folder"] == values["folder"]
+    for name, argument in ((SummariseWords, "folder"), (SteerWords, "device")):
+        if kind is name:
+            assert found[argument] == values[argument]
 
 
 @pytest.mark.parametrize(
