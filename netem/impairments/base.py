@@ -58,6 +58,7 @@ class Flow:
     Attributes:
         key: the key.
         robot: whose key it is; "other" if none of ours.
+        kind: of its messages, as in the key; empty if none of ours.
         message_class: one of farhand.netem.spec.CLASSES.
         head, tail: what its messages pass, up to where they may be duplicated and from there on.
         copy_tail: the same for copies, whose draws must not shift those of the messages.
@@ -67,6 +68,7 @@ class Flow:
 
     key: str
     robot: str
+    kind: str
     message_class: str
     head: "list[Impairment]"
     tail: "list[Impairment]"
