@@ -13,6 +13,7 @@ from farhand.common.shapes.shape import Shape
 from farhand.common.shapes.sphere import Sphere
 
 _FAR = 10.0  # m; what is farther away is not there
+_AHEAD = 0.2  # m
 _ROUNDING = 1e-6  # m, of a bound; far more than sums of floats lose
 # Bullet rounds edges by a margin. A box is exact without one, and up to 0.7 mm too far away with its own 1 mm; of
 # meshes the distance scatters by 0.05 mm, which the margin outweighs, so that none is taken to be too far away.
@@ -34,6 +35,7 @@ class BulletObstacles:
         self._shapes: list[tuple[str, Shape, Quaternion]] = []
         self._solids: list[int] = []
         self._positions: list[Vector3] = []
+        self._placed: Sequence[Obstacle] = ()
         # No obstacle is nearer than its floor (m), and the one that was the nearest is not farther than the ceiling.
         self._floors: list[float] = []
         self._nearest, self._ceiling = -1, _FAR
@@ -53,19 +55,21 @@ class BulletObstacles:
         best, index, link = _FAR, -1, -1
         if self._nearest >= 0:
             best = min(_FAR, self._ceiling + moved + _ROUNDING)
-        for k in sorted(range(len(floors)), key=floors.__getitem__):
+        for rank, k in enumerate(sorted(range(len(floors)), key=floors.__getitem__)):
             if floors[k] >= best:
                 break
-            # Asking only for what is nearer than the best so far lets Bullet skip the rest.
-            floors[k] = best
+            # The nearer the limit, the more Bullet skips; a little more spares asking again the next times.
+            reach = best if rank == 0 else min(_FAR, best + _AHEAD)
             points = self._bullet.getClosestPoints(
-                self._body, self._solids[k], best, physicsClientId=self._client
+                self._body, self._solids[k], reach, physicsClientId=self._client
             )
-            for point in points:
-                gap, of = point[8], point[3]
-                if of >= self._first and (gap, k) < (best, index if index >= 0 else k):
+            found = [(point[8], point[3]) for point in points if point[3] >= self._first]
+            floors[k] = reach
+            if found:
+                gap, of = min(found)
+                floors[k] = gap
+                if (gap, k) < (best, index if index >= 0 else k):
                     best, index, link = gap, k, of
-                    floors[k] = gap
         self._nearest, self._ceiling = index, best
         return (best, obstacles[index].id, link) if index >= 0 else None
 
@@ -73,10 +77,12 @@ class BulletObstacles:
         """Take them out of the world again."""
         for solid in self._solids:
             self._bullet.removeBody(solid, physicsClientId=self._client)
-        self._solids, self._shapes = [], []
+        self._solids, self._shapes, self._placed = [], [], ()
 
     def _place(self, obstacles: Sequence[Obstacle]) -> None:
         """Put them where they are."""
+        if obstacles is self._placed:
+            return
         bullet, client = self._bullet, self._client
         shapes = [(obstacle.id, obstacle.shape, obstacle.orientation) for obstacle in obstacles]
         if shapes != self._shapes:
@@ -84,6 +90,8 @@ class BulletObstacles:
             self._solids = [self._make(obstacle) for obstacle in obstacles]
             self._shapes, self._positions = shapes, [obstacle.position for obstacle in obstacles]
             self._floors, self._nearest = [-math.inf] * len(obstacles), -1
+        if isinstance(obstacles, tuple):  # which nobody changes
+            self._placed = obstacles
         for index, obstacle in enumerate(obstacles):
             if obstacle.position != self._positions[index]:
                 came = math.dist(obstacle.position, self._positions[index])

@@ -131,7 +131,7 @@ class ArmRobot(ArmWorld, Robot):
         self._commanded: Array = np.zeros(arm.n)
         self._twist, self._wanted, self._omega = STILL, np.zeros(3), np.zeros(3)
         self._q_measured: Array = np.full(arm.n, np.inf)  # where the arm's clearance was measured last
-        self._longest = _longest(arm)
+        self._lengths = _lengths(arm)
         self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
@@ -226,8 +226,8 @@ class ArmRobot(ArmWorld, Robot):
         return None if nearest is None else nearest[0]
 
     def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
-        # A joint's turn moves no point of the arm by more than the arm is long.
-        moved = self._longest * float(np.abs(self._q - self._q_measured).sum())
+        # A joint's turn moves no point by more than the arm is long from there on.
+        moved = float(np.abs(self._q - self._q_measured) @ self._lengths)
         self._q_measured = self._q
         return self._obstacles.nearest(obstacles, moved)
 
@@ -264,10 +264,12 @@ def _controls(world: ArmWorld, scenario: RobotScenario) -> tuple[VelocityControl
     return control, guard
 
 
-def _longest(arm: ArmModel) -> float:
-    """Farther than this from any joint is no point of the arm (m)."""
+def _lengths(arm: ArmModel) -> Array:
+    """(n,) no point that moves with a joint is farther than this from it (m)."""
     ends = [float(np.linalg.norm(end)) + each.radius for each in arm.capsules for end in (each.a, each.b)]
-    return float(np.linalg.norm(arm.p_parent_joint, axis=1).sum()) + max(ends, default=0.0) + _SPARE
+    to_the_joint = np.cumsum(np.linalg.norm(arm.p_parent_joint, axis=1))
+    lengths: Array = to_the_joint[-1] - to_the_joint + max(ends, default=0.0) + _SPARE
+    return lengths
 
 
 def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:

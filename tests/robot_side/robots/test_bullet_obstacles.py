@@ -78,8 +78,9 @@ def test_what_is_not_measured_again_could_not_be_the_nearest(world):
     point = np.zeros(3)
     field = BulletObstacles(pybullet, client, body)
     names = set()
-    for step in range(200):
-        way = rng.normal(size=3) * 0.05
+    for step in range(400):
+        if step % 20 == 0:  # straight towards another place
+            way = (rng.uniform(-1.0, 1.0, 3) - point) / 20
         point += way
         places[:2] += 0.03 * np.sin(0.1 * step)
         obstacles = [
