@@ -22,7 +22,6 @@ from msgspec import structs
 from benchmarks.solver_instances import SETTINGS, closed_loop
 from benchmarks.solver_shapes import ROUNDS, in_turn, without_planes
 from farhand.common.timing.clock import SystemClock, processor_seconds, to_ns
-from farhand.operator_side.control import compile_cache
 from farhand.operator_side.control.controller import Controller, ControlProblem, Status
 from farhand.operator_side.control.ipopt import IpoptController
 from farhand.operator_side.control.newton import NewtonController
@@ -90,7 +89,7 @@ def run(quick: bool = False) -> dict[str, Any]:
     """All figures; ratios are of the medians, Ipopt cold over the others."""
     counts, number, ipopt_ticks = (COUNTS[1:2], 60, 1) if quick else (COUNTS, TICKS, IPOPT_TICKS)
     result: dict[str, Any] = {"obstacles": {}, "first_call": first_call(1 if quick else 3)}
-    spheres = without_planes((lambda function: function) if quick else compile_cache.compiled)
+    spheres = without_planes(lambda function: function) if quick else without_planes()
     for count in counts:
         ticks = list(closed_loop(number, seed=3, counts=(count,)))
         problems = [problem for problem, _ in ticks]

@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import Any
 from unittest.mock import patch
 
+import numba
 import numpy as np
 
 from farhand.common.timing.clock import thread_seconds
@@ -22,7 +23,12 @@ ROUNDS = 5
 """Of all ticks; each tick counts with the fastest of its solves, as what disturbs only slows."""
 
 
-def without_planes(compiled: Callable[..., Any]) -> ModuleType:
+def as_the_kernel(function: Callable[..., Any]) -> Any:
+    """Compiled as the kernel's own functions are, but not kept."""
+    return numba.njit(nogil=True, fastmath=False, error_model="numpy")(function)
+
+
+def without_planes(compiled: Callable[..., Any] = as_the_kernel) -> ModuleType:
     """The kernel for spheres only, its functions decorated with `compiled`."""
     with open(kernel.__file__, encoding="utf-8") as file:
         source = file.read()
