@@ -124,7 +124,8 @@ class Chain:
                 return self._flows[key]
         kind = kind_of(key)
         message_class = kind if kind in CLASSES else "other"
-        flow = Flow(key, robot_of(key) or "other", kind, message_class, *self._compile(key, message_class))
+        stages = self._compile(key, message_class)
+        flow = Flow(key, robot_of(key) or "other", message_class, *stages, kind=kind)
         self._flows[key] = flow
         return flow
 

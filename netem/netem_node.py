@@ -10,6 +10,7 @@ from typing import Protocol
 
 from farhand.common.errors import FarhandError
 from farhand.common.link.link import Link, Packet
+from farhand.common.messages.keys import kind_of
 from farhand.netem.direction import Direction
 from farhand.netem.emulation import Emulation
 from farhand.netem.envelope import MustArrive
@@ -217,7 +218,7 @@ class NetemNode:
 
     def _marks(self, direction: str, packet: Packet, transit: Transit) -> CommandMark | EchoMark | None:
         """What the round-trip measurement keeps with a command or an answer to one."""
-        kind = transit.flow.kind
+        kind = transit.flow.kind or kind_of(packet.key)
         if kind not in ("command", "state", "scene", "description"):
             return None
         robot = transit.flow.robot

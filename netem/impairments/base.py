@@ -58,23 +58,23 @@ class Flow:
     Attributes:
         key: the key.
         robot: whose key it is; "other" if none of ours.
-        kind: of its messages, as in the key; empty if none of ours.
         message_class: one of farhand.netem.spec.CLASSES.
         head, tail: what its messages pass, up to where they may be duplicated and from there on.
         copy_tail: the same for copies, whose draws must not shift those of the messages.
         count: messages so far.
         newest_released: largest ordinal that has been released.
+        kind: of its messages, as in the key; empty if they are of many, or none of ours.
     """
 
     key: str
     robot: str
-    kind: str
     message_class: str
     head: "list[Impairment]"
     tail: "list[Impairment]"
     copy_tail: "list[Impairment]"
     count: int = 0
     newest_released: int = -1
+    kind: str = ""
 
 
 @dataclass(slots=True)
