@@ -92,7 +92,7 @@ class RoundTrip:
         high = newest - LOSS_SETTLE
         if high <= low:
             return 0.0
-        present = len({seq for seq in self._state_seqs if low <= seq <= high})
+        present = len(set(self._state_seqs).intersection(range(low, high + 1)))
         return max(0.0, 1.0 - present / (high - low + 1))
 
 
