@@ -1,4 +1,4 @@
-"""All benchmarks in turn, each in a process of its own: `python -m benchmarks [NAME ...] [--json FOLDER]`.
+"""All benchmarks in turn, each in a process of its own: `python -m benchmarks [NAME ...] [--quick] [--json FOLDER]`.
 
 Figures are ratios and medians of one run, side by side; machines are shared, so compare nothing across runs.
 """
@@ -16,6 +16,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)} [default: all]")
     parser.add_argument("--json", type=Path, metavar="FOLDER", help="write a JSON file for each as well")
+    parser.add_argument(
+        "--quick", action="store_true", help="to see that they work; the figures mean nothing"
+    )
     options = parser.parse_args()
     unknown = [name for name in options.names if name not in NAMES]
     if unknown:
@@ -26,6 +29,7 @@ def main() -> int:
     for name in options.names or NAMES:
         print(f"\n=== {name}", flush=True)
         arguments = ["--json", str(options.json / f"{name}.json")] if options.json else []
+        arguments += ["--quick"] * options.quick
         code = subprocess.run(
             [sys.executable, "-m", f"benchmarks.{name}", *arguments], check=False
         ).returncode

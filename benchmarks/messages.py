@@ -1,6 +1,6 @@
 """Cost of a message: encode and decode of each kind, validated, against plain msgpack in the same run.
 
-`python -m benchmarks.messages [--json FILE]`
+`python -m benchmarks.messages [--quick] [--json FILE]`
 """
 
 import argparse
@@ -19,9 +19,11 @@ from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
-from farhand.common.timing.clock import processor_seconds
+from farhand.common.shapes.sphere import Sphere
+from farhand.common.timing.clock import thread_seconds
 
 REPEATS, BATCH = 60, 500
+QUICK = 2, 5
 
 
 def examples() -> list[Message]:
@@ -45,38 +47,41 @@ def examples() -> list[Message]:
         Scene(
             source="ur5",
             t_sample_ns=10**15,
-            robot_radius=0.05,
             targets=(v,) * 3,
-            obstacles=tuple(Obstacle(f"o{k}", v, 0.1) for k in range(10)),
+            obstacles=tuple(Obstacle(id=f"o{k}", shape=Sphere(0.1), position=v) for k in range(10)),
             **common,
         ),
     ]
 
 
-def _median(call: Callable[[], object]) -> float:
+def _median(call: Callable[[], object], repeats: int, batch: int) -> float:
     times = []
-    for _ in range(REPEATS):
-        start = processor_seconds()
-        for _ in range(BATCH):
+    for _ in range(repeats):
+        start = thread_seconds()
+        for _ in range(batch):
             call()
-        times.append((processor_seconds() - start) / BATCH)
+        times.append((thread_seconds() - start) / batch)
     return float(np.median(times))
 
 
-def run() -> dict[str, Any]:
+def run(repeats: int = REPEATS, batch: int = BATCH) -> dict[str, Any]:
     """Medians in s, and ratios to msgpack without validation."""
     found: dict[str, Any] = {}
+
+    def median(call: Callable[[], object]) -> float:
+        return _median(call, repeats, batch)
+
     for message in examples():
         payload = encode(message)
         plain = msgpack.unpackb(payload)
         decoder: Decoder[Any] = Decoder(type(message))
         encoding, decoding = (
-            _median(lambda m=message: encode(m)),
-            _median(lambda d=decoder, p=payload: d.decode(p)),
+            median(lambda m=message: encode(m)),
+            median(lambda d=decoder, p=payload: d.decode(p)),
         )
         packing, unpacking = (
-            _median(lambda p=plain: msgpack.packb(p)),
-            _median(lambda p=payload: msgpack.unpackb(p)),
+            median(lambda p=plain: msgpack.packb(p)),
+            median(lambda p=payload: msgpack.unpackb(p)),
         )
         found[type(message).__name__] = {
             "bytes": len(payload),
@@ -94,8 +99,9 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--quick", action="store_true", help="to see that it works; the figures mean nothing")
     options = parser.parse_args()
-    found = run()
+    found = run(*QUICK) if options.quick else run()
     table = Table("message", "bytes", "encode (us)", "decode, validated (us)", "msgpack, unvalidated (us)")
     for name, f in found.items():
         plain = f"{f['msgpack_encode'] * 1e6:.1f} / {f['msgpack_decode'] * 1e6:.1f}"

@@ -1,8 +1,9 @@
 """What the lag part and the check of the body add to the operator's tick, side by side in one run.
 
-`python -m benchmarks.operator_tick [--json FILE] [--tasks N]`. The point robot does some of Table I's tasks in virtual
-time. At every tick that is filtered, a second safety filter without the two gets the same input and is timed as well;
-each has a controller of its own. "Without" is the same tick with the second filter's time in place of the first's.
+`python -m benchmarks.operator_tick [--quick] [--json FILE] [--tasks N]`. The point robot does some of Table I's tasks
+in virtual time. At every tick that is filtered, a second safety filter without the two gets the same input and is timed
+as well; each has a controller of its own. "Without" is the same tick with the second filter's time in place of the
+first's.
 """
 
 import argparse
@@ -13,7 +14,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from farhand.common.timing.clock import processor_seconds
+from farhand.common.timing.clock import thread_seconds
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.laboratory.simulation import simulate
 from farhand.operator_side.control.registry import make_controller
@@ -25,6 +26,8 @@ NETWORKS = ("none", "uniform:50,200")
 WANTED = 1.2
 """Of the tick with over the tick without, in the median."""
 TASKS = 12
+QUICK = 2.0
+"""s of one task."""
 
 
 class Times:
@@ -38,9 +41,9 @@ class Times:
     def step(self, node: OperatorNode, now_ns: int) -> int:
         """A tick, timed."""
         self._of_filters = 0.0, 0.0
-        began = processor_seconds()
+        began = thread_seconds()
         next_ns = WHOLE(node, now_ns)
-        spent = processor_seconds() - began
+        spent = thread_seconds() - began
         own, without = self._of_filters
         if own:
             self.rows.append((spent - without, own, without))
@@ -63,9 +66,9 @@ class Times:
 
 def timed(one: SafetyFilter, ahead: Ahead) -> tuple[Filtered, float]:
     """What it filters, and how long that takes (s)."""
-    began = processor_seconds()
+    began = thread_seconds()
     filtered = FILTER(one, ahead)
-    return filtered, processor_seconds() - began
+    return filtered, thread_seconds() - began
 
 
 def without_the_parts(first: SafetyFilter) -> SafetyFilter:
@@ -77,7 +80,7 @@ def without_the_parts(first: SafetyFilter) -> SafetyFilter:
     return second
 
 
-def measure(network: str, tasks: int) -> dict[str, float]:
+def measure(network: str, tasks: int, time_limit: float = 300.0) -> dict[str, float]:
     """Medians, 99th percentiles (ms) and their ratios over all ticks of the tasks."""
     times = Times()
     with (
@@ -85,7 +88,7 @@ def measure(network: str, tasks: int) -> dict[str, float]:
         patch.object(SafetyFilter, "filter", lambda first, ahead: times.filter(first, ahead)),
     ):
         for index in range(tasks):
-            simulate(make_task(1, index), network=network, seed=index, time_limit=300.0)
+            simulate(make_task(1, index), network=network, seed=index, time_limit=time_limit)
     table = np.array(times.rows)
     tick, without = table[:, 0], table[:, 0] - table[:, 1] + table[:, 2]
     found = {"ticks": float(len(table))}
@@ -108,9 +111,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--json", type=Path, help="write the figures to this file as well")
     parser.add_argument("--tasks", type=int, default=TASKS, help=f"of Table I, a network [{TASKS}]")
+    parser.add_argument("--quick", action="store_true", help="to see that it works; the figures mean nothing")
     options = parser.parse_args()
-    measure("none", 1)  # imports and compiled code
-    result = {network: measure(network, options.tasks) for network in NETWORKS}
+    measure("none", 1, QUICK)  # imports and compiled code
+    amount = (1, QUICK) if options.quick else (options.tasks,)
+    result = {network: measure(network, *amount) for network in NETWORKS}
     print(f"{'ms, median / p99':16}{'tick':>16}{'without':>16}{'ratio':>14}{'filter':>16}{'without':>16}")
     for network, row in result.items():
         cells = [

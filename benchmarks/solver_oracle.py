@@ -1,6 +1,6 @@
 """The compiled solver against Ipopt on the full problem, instance by instance, each difference explained.
 
-`python -m benchmarks.solver_oracle [--number 2000] [--json FILE]` prints a table of classes for random
+`python -m benchmarks.solver_oracle [--quick] [--number 2000] [--json FILE]` prints a table of classes for random
 instances and for ticks of closed loops.
 """
 
@@ -131,8 +131,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="the compiled solver against Ipopt")
     parser.add_argument("--number", type=int, default=2000, help="instances of each kind")
     parser.add_argument("--json", type=Path, help="write the counts to this file as well")
+    parser.add_argument("--quick", action="store_true", help="to see that it works; the figures mean nothing")
     arguments = parser.parse_args()
-    result = run(arguments.number)
+    result = run(3 if arguments.quick else arguments.number)
     print(f"{'class':44}" + "".join(f"{kind:>14}" for kind in result))
     for name in CLASSES:
         print(f"{name:44}" + "".join(f"{counts.get(name, 0):>14}" for counts in result.values()))

@@ -56,6 +56,7 @@ class Compiler:
         finally:
             settings["CACHE_DIR"] = before
         _spare_a_full_disk(compiled)
+        _take_literals_as_numbers(compiled)
         return compiled
 
     def where_possible(self, function: Callable[..., Any]) -> Any:
@@ -76,6 +77,19 @@ def _spare_a_full_disk(compiled: Any) -> None:
             save(signature, code)
 
     cache.save_overload = save_if_possible
+
+
+def _take_literals_as_numbers(compiled: Any) -> None:
+    """Compile a function once for `f(0)` and `f(n)`: to numba a literal is a type of its own."""
+    from numba.core.types import unliteral
+
+    template_for = compiled.get_call_template
+
+    def template_for_numbers(args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+        numbers = dict(zip(kws, map(unliteral, kws.values()), strict=True))
+        return template_for(tuple(map(unliteral, args)), numbers)
+
+    compiled.get_call_template = template_for_numbers
 
 
 def _files(source: Path) -> list[Path]:

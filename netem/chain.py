@@ -123,9 +123,10 @@ class Chain:
             key = "*"
             if key in self._flows:
                 return self._flows[key]
-        message_class = kind_of(key)
-        message_class = message_class if message_class in CLASSES else "other"
-        flow = Flow(key, robot_of(key) or "other", message_class, *self._compile(key, message_class))
+        kind = kind_of(key)
+        message_class = kind if kind in CLASSES else "other"
+        stages = self._compile(key, message_class)
+        flow = Flow(key, robot_of(key) or "other", message_class, *stages, kind=kind)
         self._flows[key] = flow
         return flow
 

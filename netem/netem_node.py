@@ -249,7 +249,7 @@ class NetemNode:
 
     def _marks(self, direction: str, packet: Packet, transit: Transit) -> CommandMark | EchoMark | None:
         """What the round-trip measurement keeps with a command or an answer to one."""
-        kind = kind_of(packet.key)
+        kind = transit.flow.kind or kind_of(packet.key)
         if kind not in ("command", "state", "scene", "description"):
             return None
         robot = transit.flow.robot

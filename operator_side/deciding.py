@@ -6,9 +6,11 @@ targets reached -> steering device (desired twist) -> supervision (mode)
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
+import msgspec
 import numpy as np
+from msgspec.structs import replace
 
 from farhand.common.geometry import STILL, Twist, norm, to_vector3
 from farhand.common.messages.base import ZERO, Vector3
@@ -68,8 +70,7 @@ class Look:
     margin: Margin
 
 
-@dataclass(frozen=True, slots=True)
-class Decided:
+class Decided(msgspec.Struct, frozen=True):
     """What a tick shall command; see reporting.Tick for what is not said here.
 
     Attributes:
@@ -82,12 +83,12 @@ class Decided:
     desired: Twist = STILL
     velocities: tuple[Vector3, ...] = ()
     turning: tuple[Vector3, ...] = ()
-    prediction: Prediction = field(default_factory=lambda: Prediction(ZERO))
+    prediction: Prediction = msgspec.field(default_factory=lambda: Prediction(ZERO))
     prediction_error: float = 0.0
-    margin: Margin = field(default_factory=Margin)
+    margin: Margin = msgspec.field(default_factory=Margin)
     filtered: Filtered | None = None
     solve_time: float = 0.0
-    blocked: Blocked = field(default_factory=Blocked)
+    blocked: Blocked = msgspec.field(default_factory=Blocked)
 
 
 @dataclass(frozen=True, slots=True)

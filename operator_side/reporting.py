@@ -1,6 +1,6 @@
 """Writes the report of a tick: the one message that live status, console and recorder read."""
 
-from dataclasses import dataclass
+import msgspec
 
 from farhand.common.geometry import Twist
 from farhand.common.messages.command import CommandMode
@@ -15,8 +15,7 @@ from farhand.operator_side.standstill import Attempt, Standstill
 from farhand.operator_side.steering.targets import Targets
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Tick:
+class Tick(msgspec.Struct, frozen=True, kw_only=True):
     """What was decided in one tick; see ControlReport for what is not said here.
 
     Attributes:

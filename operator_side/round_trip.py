@@ -6,6 +6,7 @@ tick, the solving time is part of it, as in the paper (arXiv 2403.18650).
 
 import math
 from collections import deque
+from collections.abc import Sequence
 
 from farhand.common.messages.state import RobotState
 
@@ -27,6 +28,7 @@ class RoundTrip:
         self._sent: deque[tuple[int, int]] = deque(maxlen=4096)
         self._answered = -1
         self._state_seqs: deque[int] = deque(maxlen=LOSS_WINDOW)
+        self._mean, self._std = 0.0, 0.0  # over the window
         self.newest: float | None = None
         self.count = 0
         self.total = 0.0
@@ -48,6 +50,7 @@ class RoundTrip:
         rtt = max(0.0, (arrived_ns - echo.t_sent_ns - echo.hold_ns) * 1e-9)
         self.newest = rtt
         self._samples.append(rtt)
+        self._mean, self._std = _mean_and_std(self._samples)
         self.count += 1
         self.total += rtt
         self.total_squares += rtt * rtt
@@ -55,16 +58,12 @@ class RoundTrip:
     @property
     def mean(self) -> float:
         """Mean round trip over the window (s); 0 before the first sample."""
-        return sum(self._samples) / len(self._samples) if self._samples else 0.0
+        return self._mean
 
     @property
     def std(self) -> float:
         """Standard deviation over the window (s)."""
-        n = len(self._samples)
-        if n < 2:
-            return 0.0
-        mean = self.mean
-        return math.sqrt(sum((x - mean) ** 2 for x in self._samples) / (n - 1))
+        return self._std
 
     def overall(self) -> tuple[float | None, float | None]:
         """Mean and standard deviation over the whole session (s); None without samples."""
@@ -93,5 +92,11 @@ class RoundTrip:
         high = newest - LOSS_SETTLE
         if high <= low:
             return 0.0
-        present = len({seq for seq in self._state_seqs if low <= seq <= high})
+        present = len(set(self._state_seqs).intersection(range(low, high + 1)))
         return max(0.0, 1.0 - present / (high - low + 1))
+
+
+def _mean_and_std(samples: Sequence[float]) -> tuple[float, float]:
+    n = len(samples)
+    mean = sum(samples) / n
+    return mean, math.sqrt(sum([(x - mean) ** 2 for x in samples]) / (n - 1)) if n > 1 else 0.0

@@ -2,8 +2,10 @@
 
 import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import attrgetter
 
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.command import CommandMode
@@ -38,6 +40,9 @@ class Attempt:
     binding: str
     free_side: str = ""
     guarded: str = ""
+
+
+_DESIRED, _SENT = attrgetter("desired"), attrgetter("sent")
 
 
 def side_words(side: str) -> str:
@@ -75,21 +80,21 @@ class Standstill:
             past.popleft()
         if attempt.now_ns - past[0][0].now_ns < WINDOW_NS:
             return ""
-        wanted, sent = self._way("desired"), self._way("sent")
-        made = max(math.dist(past[0][1], state.position), self._along())
-        if wanted < LEAST_WAY or made >= PROGRESS * wanted:
+        wanted = self._way(_DESIRED)
+        enough = PROGRESS * wanted
+        if wanted < LEAST_WAY or math.dist(past[0][1], state.position) >= enough or self._along() >= enough:
             self._bound = attempt.binding
             return ""
-        return self._holder(state, follows=sent <= 2 * PROGRESS * wanted)
+        return self._holder(state, follows=self._way(_SENT) <= 2 * enough)
 
-    def _way(self, velocity: str) -> float:
+    def _way(self, velocity: Callable[[Attempt], Vector3]) -> float:
         """Length of the way that a velocity makes over the window (m)."""
-        total = [0.0, 0.0, 0.0]
+        x = y = z = 0.0
         for (attempt, _), (after, _) in pairwise(self._past):
             dt = (after.now_ns - attempt.now_ns) * 1e-9
-            for k, v in enumerate(getattr(attempt, velocity)):
-                total[k] += v * dt
-        return math.hypot(*total)
+            u, v, w = velocity(attempt)
+            x, y, z = x + u * dt, y + v * dt, z + w * dt
+        return math.hypot(x, y, z)
 
     def _along(self) -> float:
         """The way made along what was wanted at each tick (m): a robot that turned back at a target made some."""

@@ -171,17 +171,22 @@ class RobotNode:
         watchdog = self.watchdog
         if self._field is None:
             self._field = ObstacleField(self._obstacles, now_ns)
-        behind = periods - 1 if self._robot.catches_up else 0
-        for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):
-            then_ns = now_ns - missed * self._period_ns
-            watchdog.tick(then_ns)
-            self._observe(self._field, then_ns)
-            self._move(self._field, then_ns)
+        if periods > 1 and self._robot.catches_up:
+            self._catch_up(self._field, now_ns, periods - 1)
         watchdog.tick(now_ns)
-        self.intake.take(self._link.receive(), now_ns)
+        packets = self._link.receive()
+        if packets:
+            self.intake.take(packets, now_ns)
         self._note_silence(now_ns)
         self._observe(self._field, now_ns)
         self._move(self._field, now_ns)
+
+    def _catch_up(self, field: ObstacleField, now_ns: int, behind: int) -> None:
+        for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):
+            then_ns = now_ns - missed * self._period_ns
+            self.watchdog.tick(then_ns)
+            self._observe(field, then_ns)
+            self._move(field, then_ns)
 
     def _note_silence(self, now_ns: int) -> None:
         """How long the one in control is silent; nobody is expected to speak after a release."""
@@ -326,5 +331,14 @@ class RobotNode:
 
 
 def _finite(sample: RobotSample) -> bool:
-    linear = sum(sample.position) + sum(sample.velocity) + sum(sample.joints)
-    return math.isfinite(linear + sum(sample.orientation) + sum(sample.angular_velocity))
+    return math.isfinite(
+        sum(
+            (
+                *sample.position,
+                *sample.velocity,
+                *sample.orientation,
+                *sample.joints,
+                *sample.angular_velocity,
+            )
+        )
+    )

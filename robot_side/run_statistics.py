@@ -59,4 +59,6 @@ class RunStatistics:
 
     def add_silence(self, silence_ns: int) -> None:
         """Note how long the one in control has not been heard."""
-        self.longest_silence = max(self.longest_silence, silence_ns * 1e-9)
+        silence = silence_ns * 1e-9
+        if silence > self.longest_silence:
+            self.longest_silence = silence

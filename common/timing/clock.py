@@ -77,3 +77,8 @@ def utc_seconds() -> float:
 def processor_seconds() -> float:
     """A high-resolution stopwatch reading in s, for reporting how long a computation took."""
     return time.perf_counter()
+
+
+def thread_seconds() -> float:
+    """Time that this thread has had a processor (s): the same, where others want the processor as well."""
+    return time.thread_time()

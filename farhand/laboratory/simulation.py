@@ -84,7 +84,7 @@ class Options(TypedDict, total=False):
         keep_reports: keep every ControlReport.
         record_to: file for a recording that can be replayed.
         digest: hash every message.
-        stop: asked after every event; the run ends, as interrupted, once it is true.
+        stop: asked after every tick of the operator; the run ends, as interrupted, once it is true.
         controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
     """
 
@@ -287,12 +287,15 @@ def _run(executor: VirtualExecutor, operator: OperatorNode, limit_ns: int, stop:
     """Until `stop()`, or finished, or the limit after the first motion command (after the start, if there is none)."""
     start_ns = executor.clock.now_ns()
     executor.run_until(
-        start_ns + limit_ns, lambda: operator.driving_since_ns is not None or bool(operator.fault) or stop()
+        start_ns + limit_ns,
+        lambda: operator.driving_since_ns is not None or bool(operator.fault) or stop(),
+        Priority.OPERATOR,
     )
     if operator.driving_since_ns is not None:
         executor.run_until(
             operator.driving_since_ns + limit_ns,
             lambda: operator.finished or operator.device.over or bool(operator.fault) or stop(),
+            Priority.OPERATOR,
         )
     return executor.clock.now_ns()
 

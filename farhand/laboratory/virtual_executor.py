@@ -6,8 +6,9 @@ sends leaves that much later, and it is not woken again before.
 
 import heapq
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import partial
 
 from farhand.common.link.link import MemoryLink, Packet, memory_wire
 from farhand.common.timing.clock import VirtualClock
@@ -27,9 +28,9 @@ class _Slot:
     node: Node
     priority: Priority
     computing_time: Callable[[], int] | None
-    wake: Callable[[int], None]
     wake_ns: int | None = None
     busy_until_ns: int = 0
+    wake: Callable[[int], None] = field(init=False)
 
 
 class VirtualExecutor:
@@ -46,7 +47,8 @@ class VirtualExecutor:
 
     def add(self, node: Node, priority: Priority, computing_time: Callable[[], int] | None = None) -> None:
         """Add a node; its first step is now. `computing_time` models each step's duration (ns)."""
-        slot = _Slot(node, priority, computing_time, lambda now_ns: self._step(slot, now_ns))
+        slot = _Slot(node, priority, computing_time)
+        slot.wake = partial(self._step, slot)
         self._wake(slot, self.clock.now_ns())
         self._slots.append(slot)
 
@@ -64,19 +66,32 @@ class VirtualExecutor:
         self._counter += 1
         heapq.heappush(self._heap, (instant_ns, priority, self._counter, call))
 
-    def run_until(self, end_ns: int, finished: Callable[[], bool] | None = None) -> None:
-        """Process events up to and including `end_ns`, or until `finished()` holds after an event."""
-        while self._heap and self._heap[0][0] <= end_ns:
-            instant_ns, _, _, call = heapq.heappop(self._heap)
-            self.clock.advance_to(instant_ns)
+    def run_until(
+        self,
+        end_ns: int,
+        finished: Callable[[], bool] | None = None,
+        decides: Priority | None = None,
+    ) -> None:
+        """Process events up to and including `end_ns`, or until `finished()` holds.
+
+        Args:
+            end_ns: last instant.
+            finished: asked after every event.
+            decides: asked only after those of this priority.
+        """
+        heap, advance_to = self._heap, self.clock.advance_to
+        while heap and heap[0][0] <= end_ns:
+            instant_ns, priority, _, call = heapq.heappop(heap)
+            advance_to(instant_ns)
             self.events += 1
             call(instant_ns)
-            if finished is not None and finished():
+            if finished is not None and (decides is None or priority is decides) and finished():
                 return
-        self.clock.advance_to(max(end_ns, self.clock.now_ns()))
+        advance_to(max(end_ns, self.clock.now_ns()))
 
     def _wake(self, slot: _Slot, instant_ns: int) -> None:
-        instant_ns = max(instant_ns, slot.busy_until_ns)
+        if instant_ns < slot.busy_until_ns:
+            instant_ns = slot.busy_until_ns
         if slot.wake_ns is not None and slot.wake_ns <= instant_ns:
             return
         slot.wake_ns = instant_ns
@@ -86,16 +101,17 @@ class VirtualExecutor:
         if slot.wake_ns != now_ns:
             return  # superseded by an earlier wake-up
         slot.wake_ns = None
-        cost = slot.computing_time() if slot.computing_time is not None else 0
-        slot.busy_until_ns = now_ns + cost
-        self._send_ns, self._send_priority = slot.busy_until_ns, slot.priority
+        done_ns = now_ns if slot.computing_time is None else now_ns + slot.computing_time()
+        slot.busy_until_ns = self._send_ns = done_ns
+        self._send_priority = slot.priority
         next_ns = slot.node.step(now_ns)
         self._send_ns = now_ns
         if next_ns is not None:
             self._wake(slot, next_ns)
 
     def _transmit(self, receiver: MemoryLink, packet: Packet) -> None:
-        if self._send_ns <= self.clock.now_ns():
-            receiver.deliver(packet, self.clock.now_ns())
+        now_ns = self.clock.now_ns()
+        if self._send_ns <= now_ns:
+            receiver.deliver(packet, now_ns)
         else:
             self.call_at(self._send_ns, self._send_priority, lambda now_ns: receiver.deliver(packet, now_ns))

@@ -63,6 +63,7 @@ class Flow:
         copy_tail: the same for copies, whose draws must not shift those of the messages.
         count: messages so far.
         newest_released: largest ordinal that has been released.
+        kind: of its messages, as in the key; empty if they are of many, or none of ours.
     """
 
     key: str
@@ -73,6 +74,7 @@ class Flow:
     copy_tail: "list[Impairment]"
     count: int = 0
     newest_released: int = -1
+    kind: str = ""
 
 
 @dataclass(frozen=True, slots=True)

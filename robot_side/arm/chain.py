@@ -5,7 +5,7 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.kinematics import ToolKinematics
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.kernel.chain import forward, pack, tool_state
+from farhand.robot_side.kernel.chain import moving_tool, pack
 
 
 class ArmChain:
@@ -18,6 +18,7 @@ class ArmChain:
         packed: (n + 1, 15), as robot_side/kernel/chain.py reads it.
         R_base_joint, p_base_joint: (n, 3, 3), (n, 3) the joints' frames in base (m).
         tool: pose and Jacobian.
+        state: (13,) of the tool: position (m), velocity (m/s), orientation (w, x, y, z), turning (rad/s), in base.
     """
 
     def __init__(self, arm: ArmModel) -> None:
@@ -26,30 +27,21 @@ class ArmChain:
         self.R_base_joint: Array = np.zeros((n, 3, 3))
         self.p_base_joint: Array = np.zeros((n, 3))
         self.tool = ToolKinematics(np.zeros(3), np.zeros((3, 3)), np.zeros((6, n)))
-        self._state: Array = np.zeros(13)
-        self.at(arm.home)
+        self.state: Array = np.zeros(13)
+        self.at(arm.home, np.zeros(n))
 
-    def at(self, q: Array) -> ToolKinematics:
-        """Fill everything at joint positions q (n,), rad; returns `tool`."""
+    def at(self, q: Array, qd: Array) -> ToolKinematics:
+        """Fill everything at joint positions and velocities q, qd (n,), rad and rad/s; returns `tool`."""
         tool = self.tool
-        forward(
+        moving_tool(
             self.packed,
             q,
+            qd,
             self.R_base_joint,
             self.p_base_joint,
             tool.R_base_tool,
             tool.position,
             tool.jacobian,
+            self.state,
         )
         return tool
-
-    def state(self, qd: Array) -> list[float]:
-        """Of the tool at the last q: position (m), velocity (m/s), orientation (w, x, y, z), turning (rad/s).
-
-        Args:
-            qd: (n,) joint velocities (rad/s).
-        """
-        tool = self.tool
-        tool_state(tool.R_base_tool, tool.position, tool.jacobian, qd, self._state)
-        values: list[float] = self._state.tolist()
-        return values

@@ -122,3 +122,10 @@ def tool_state(R_tool, p_tool, J, qd, out):
     out[6] = (R_tool[k, j] - R_tool[j, k]) * t
     out[7 + j] = (R_tool[j, i] + R_tool[i, j]) * t
     out[7 + k] = (R_tool[k, i] + R_tool[i, k]) * t
+
+
+@compiled
+def moving_tool(chain, q, qd, R, p, R_tool, p_tool, J, out):
+    """Fill everything at joint positions and velocities q, qd (n,): `forward`, and of the tool `tool_state`."""
+    forward(chain, q, R, p, R_tool, p_tool, J)
+    tool_state(R_tool, p_tool, J, qd, out)

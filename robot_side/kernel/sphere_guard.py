@@ -12,7 +12,7 @@ keeps all its rows, so that the answer of min |u - u_c|^2 is no faster than u_c.
 Then the straight way until it stands, after one period under u with the longest and the shortest lag, must stay clear
 of all that stands; else 3/4, 1/2, 1/4 of u, then zero.
 
-Arrays: x, v, u_c, u: (3,) m, m/s. rows, vertices: the table of obstacles. par: the constants named below.
+Arrays: x, v, u_c (asked), u: (3,) m, m/s. rows, vertices: the table of obstacles. par: the constants named below.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls, allow-untyped-decorators
@@ -109,11 +109,13 @@ def _stands(row):
 
 
 @compiled
-def guard(x, v, u_c, rows, vertices, par, u, facts):
+def guard(given, rows, vertices, par, u, facts):
     """Fill u and facts; returns what was done (FREE ...).
 
+    given: (9,) x, v and u_c.
     facts: (3,) index of the obstacle that was decisive (-1: none), its distance, the least distance of all (m).
     """
+    x, v, u_c = given[:3], given[3:6], given[6:]
     facts[0], facts[1], facts[2] = -1.0, NOTHING, NOTHING
     for k in range(3):
         u[k] = u_c[k]

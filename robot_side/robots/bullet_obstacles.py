@@ -1,5 +1,6 @@
 """Shapes in PyBullet that are only measured against, never touched."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,6 +13,8 @@ from farhand.common.shapes.shape import Shape
 from farhand.common.shapes.sphere import Sphere
 
 _FAR = 10.0  # m; what is farther away is not there
+_AHEAD = 0.2  # m
+_ROUNDING = 1e-6  # m, of a bound; far more than sums of floats lose
 # Bullet rounds edges by a margin. A box is exact without one, and up to 0.7 mm too far away with its own 1 mm; of
 # meshes the distance scatters by 0.05 mm, which the margin outweighs, so that none is taken to be too far away.
 _BOX_MARGIN, _MESH_MARGIN = 0.0, 1e-4  # m
@@ -32,40 +35,69 @@ class BulletObstacles:
         self._shapes: list[tuple[str, Shape, Quaternion]] = []
         self._solids: list[int] = []
         self._positions: list[Vector3] = []
+        self._placed: Sequence[Obstacle] = ()
+        # No obstacle is nearer than its floor (m), and the one that was the nearest is not farther than the ceiling.
+        self._floors: list[float] = []
+        self._nearest, self._ceiling = -1, _FAR
 
-    def nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str] | None:
-        """Distance of the body to the nearest obstacle (m) and its id; None without obstacles near."""
-        self._place(obstacles)
-        best, name = _FAR, ""
-        for obstacle, solid in zip(obstacles, self._solids, strict=True):
-            # Asking only for what is nearer than the best so far lets Bullet skip the rest.
-            points = self._bullet.getClosestPoints(self._body, solid, best, physicsClientId=self._client)
-            gap = min((point[8] for point in points if point[3] >= self._first), default=_FAR)
-            if gap < best:
-                best, name = gap, obstacle.id
-        return (best, name) if name else None
+    def nearest(
+        self, obstacles: Sequence[Obstacle], moved: float = math.inf
+    ) -> tuple[float, str, int] | None:
+        """Distance of the body to the nearest obstacle (m), its id, and the link; None without obstacles near.
 
-    def nearest_link(self, obstacles: Sequence[Obstacle]) -> tuple[int, str]:
-        """Index of the body's link that is nearest to an obstacle, and its id; -1 and empty without any near."""
+        Args:
+            obstacles: where they are now.
+            moved: no point of the body has moved by more than this since the last call (m). Obstacles that cannot have
+                come nearest are not measured again.
+        """
         self._place(obstacles)
-        found = [
-            (point[8], point[3], obstacle.id)
-            for obstacle, solid in zip(obstacles, self._solids, strict=True)
-            for point in self._bullet.getClosestPoints(self._body, solid, _FAR, physicsClientId=self._client)
-            if point[3] >= self._first
-        ]
-        return min(found)[1:] if found else (-1, "")
+        floors = self._floors = [floor - moved for floor in self._floors]
+        best, index, link = _FAR, -1, -1
+        if self._nearest >= 0:
+            best = min(_FAR, self._ceiling + moved + _ROUNDING)
+        for rank, k in enumerate(sorted(range(len(floors)), key=floors.__getitem__)):
+            if floors[k] >= best:
+                break
+            # The nearer the limit, the more Bullet skips; a little more spares asking again the next times.
+            reach = best if rank == 0 else min(_FAR, best + _AHEAD)
+            points = self._bullet.getClosestPoints(
+                self._body, self._solids[k], reach, physicsClientId=self._client
+            )
+            found = [(point[8], point[3]) for point in points if point[3] >= self._first]
+            floors[k] = reach
+            if found:
+                gap, of = min(found)
+                floors[k] = gap
+                if (gap, k) < (best, index if index >= 0 else k):
+                    best, index, link = gap, k, of
+        self._nearest, self._ceiling = index, best
+        return (best, obstacles[index].id, link) if index >= 0 else None
+
+    def remove(self) -> None:
+        """Take them out of the world again."""
+        for solid in self._solids:
+            self._bullet.removeBody(solid, physicsClientId=self._client)
+        self._solids, self._shapes, self._placed = [], [], ()
 
     def _place(self, obstacles: Sequence[Obstacle]) -> None:
+        """Put them where they are."""
+        if obstacles is self._placed:
+            return
         bullet, client = self._bullet, self._client
         shapes = [(obstacle.id, obstacle.shape, obstacle.orientation) for obstacle in obstacles]
         if shapes != self._shapes:
-            for solid in self._solids:
-                bullet.removeBody(solid, physicsClientId=client)
+            self.remove()
             self._solids = [self._make(obstacle) for obstacle in obstacles]
             self._shapes, self._positions = shapes, [obstacle.position for obstacle in obstacles]
+            self._floors, self._nearest = [-math.inf] * len(obstacles), -1
+        if isinstance(obstacles, tuple):  # which nobody changes
+            self._placed = obstacles
         for index, obstacle in enumerate(obstacles):
             if obstacle.position != self._positions[index]:
+                came = math.dist(obstacle.position, self._positions[index])
+                self._floors[index] -= came
+                if index == self._nearest:
+                    self._ceiling += came
                 self._positions[index] = obstacle.position
                 bullet.resetBasePositionAndOrientation(
                     self._solids[index],

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from farhand.common.errors import ScenarioError
-from farhand.common.geometry import Array, Twist
+from farhand.common.geometry import STILL, Array, Twist
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
@@ -16,6 +16,7 @@ from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.holder import holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
+from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
 from farhand.robot_side.robots.arms import chosen_arm
 from farhand.robot_side.robots.bullet import connect, quiet
@@ -27,6 +28,7 @@ from farhand.robot_side.safety.guard.arm_start import check_arm_clear
 from farhand.robot_side.scene.surroundings import Surroundings
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
+_SPARE = 0.1  # m, more than meshes stand out of their capsules
 _DOWN = -0.999  # height of the tool's z axis at home, from which it points down
 
 
@@ -127,7 +129,9 @@ class ArmRobot(ArmWorld, Robot):
         self._chain = ArmChain(arm)
         self._keeps_direction = scenario.robot.velocity_control == "direction"
         self._commanded: Array = np.zeros(arm.n)
-        self._wanted: Array = np.zeros(3)
+        self._twist, self._wanted, self._omega = STILL, np.zeros(3), np.zeros(3)
+        self._q_measured: Array = np.full(arm.n, np.inf)  # where the arm's clearance was measured last
+        self._lengths = _lengths(arm)
         self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
@@ -152,8 +156,8 @@ class ArmRobot(ArmWorld, Robot):
 
     def sample(self) -> RobotSample:
         """The state now."""
-        px, py, pz, vx, vy, vz, a, b, c, d, wx, wy, wz = self._chain.state(self._qd)
-        return RobotSample((px, py, pz), (vx, vy, vz), (a, b, c, d), tuple(self._q.tolist()), (wx, wy, wz))
+        px, py, pz, vx, vy, vz, a, b, c, d, wx, wy, wz = self._chain.state.tolist()
+        return RobotSample((px, py, pz), (vx, vy, vz), (a, b, c, d), self._positions, (wx, wy, wz))
 
     def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
         """One period of `dt` s under the commanded twist."""
@@ -161,27 +165,32 @@ class ArmRobot(ArmWorld, Robot):
         if dt != self._dt:
             self._dt = dt
             bullet.setTimeStep(dt, physicsClientId=client)
-        self._wanted, omega = np.array(twist.linear), np.array(twist.angular)
+        if twist != self._twist:
+            self._ask(twist)
         if surroundings is None or self._guard is None:
-            self._drive(self._asked(omega, dt))
+            self._drive(self._by_law(dt))
             return
-        asked = None if self._keeps_direction else self._asked(omega, dt)
-        wanted, R_base_wanted = self._wanted, self.control.R_base_wanted
+        asked = None if self._keeps_direction else self._by_law(dt)
+        joints = Joints(self._q, self._qd, self._commanded)
+        R_base_wanted = self.control.R_base_wanted
         self._drive(
-            self._guard.command(
-                Joints(self._q, self._qd, self._commanded), wanted, omega, R_base_wanted, surroundings, asked
-            )
+            self._guard.command(joints, self._wanted, self._omega, R_base_wanted, surroundings, asked)
         )
 
-    def _asked(self, omega: Array, dt: float) -> Array:
-        return self.control.joint_velocity(self._q, self._commanded, self._tool, self._wanted, dt, omega)
+    def _ask(self, twist: Twist) -> None:
+        self._twist, self._wanted, self._omega = twist, np.array(twist.linear), np.array(twist.angular)
+
+    def _by_law(self, dt: float) -> Array:
+        return self.control.joint_velocity(
+            self._q, self._commanded, self._tool, self._wanted, dt, self._omega
+        )
 
     def halt(self, dt: float) -> None:
         """Brake all joints together, on the way that the guard has found clear."""
         if self._guard is None:
             super().halt(dt)
         else:
-            self._wanted = np.zeros(3)
+            self._ask(STILL)
             self._drive(self._guard.halt(self._commanded))
 
     def intervention(self) -> Intervention | None:
@@ -213,8 +222,14 @@ class ArmRobot(ArmWorld, Robot):
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
         """Distance of the whole arm to the nearest obstacle (m), 1 to 3 mm short of the truth."""
-        nearest = self._obstacles.nearest(obstacles)
+        nearest = self._nearest(obstacles)
         return None if nearest is None else nearest[0]
+
+    def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
+        # A joint's turn moves no point by more than the arm is long from there on.
+        moved = float(np.abs(self._q - self._q_measured) @ self._lengths)
+        self._q_measured = self._q
+        return self._obstacles.nearest(obstacles, moved)
 
     def held_by(self) -> str:
         """See Robot."""
@@ -222,15 +237,18 @@ class ArmRobot(ArmWorld, Robot):
 
     def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
         """See Robot."""
-        index, obstacle = self._obstacles.nearest_link(obstacles)
+        nearest = self._nearest(obstacles)
+        if nearest is None:
+            return "", ""
         names = {number: name for name, number in self.link_indices.items()}
-        return names.get(index, "base") if obstacle else "", obstacle
+        return names.get(nearest[2], "base"), nearest[1]
 
     def _read(self) -> None:
         states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)
-        self._q = np.array([state[0] for state in states])
+        self._positions = tuple([state[0] for state in states])
+        self._q = np.array(self._positions)
         self._qd = np.array([state[1] for state in states])
-        self._tool = self._chain.at(self._q)
+        self._tool = self._chain.at(self._q, self._qd)
 
 
 def _controls(world: ArmWorld, scenario: RobotScenario) -> tuple[VelocityControl, ArmGuard | None]:
@@ -244,6 +262,14 @@ def _controls(world: ArmWorld, scenario: RobotScenario) -> tuple[VelocityControl
     )
     guard = ArmGuard(arm, scenario.guard, settings.lag, 1.0 / settings.rate_hz) if scenario.guard.on else None
     return control, guard
+
+
+def _lengths(arm: ArmModel) -> Array:
+    """(n,) no point that moves with a joint is farther than this from it (m)."""
+    ends = [float(np.linalg.norm(end)) + each.radius for each in arm.capsules for end in (each.a, each.b)]
+    to_the_joint = np.cumsum(np.linalg.norm(arm.p_parent_joint, axis=1))
+    lengths: Array = to_the_joint[-1] - to_the_joint + max(ends, default=0.0) + _SPARE
+    return lengths
 
 
 def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:

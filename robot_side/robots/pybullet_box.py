@@ -57,8 +57,9 @@ class BoxRobot(Robot):
         if dt != self._dt:
             self._dt = dt
             bullet.setTimeStep(dt, physicsClientId=client)
-        force = [MASS * VELOCITY_GAIN * (u - v) for u, v in zip(twist.linear, self._velocity, strict=True)]
-        force[2] += MASS * GRAVITY
+        (ux, uy, uz), (vx, vy, vz) = twist.linear, self._velocity
+        gain = MASS * VELOCITY_GAIN
+        force = (gain * (ux - vx), gain * (uy - vy), gain * (uz - vz) + MASS * GRAVITY)
         if twist.angular != ZERO:
             x, y, z = (rate * dt for rate in twist.angular)
             self._attitude = turned(self._attitude, (x, y, z))
@@ -69,14 +70,15 @@ class BoxRobot(Robot):
         bullet.stepSimulation(physicsClientId=client)
         self._read()
 
-    def _upright(self) -> list[float]:
+    def _upright(self) -> Vector3:
         """Torque towards level (Nm, world), whose axes the box's own then are: what it flies with unturned."""
-        w, *axis = self._orientation
-        sign = 2.0 if w >= 0.0 else -2.0
-        return [
-            inertia * (-ATTITUDE_STIFFNESS * sign * angle - ATTITUDE_DAMPING * rate)
-            for inertia, angle, rate in zip(self._inertia, axis, self._angular_velocity, strict=True)
-        ]
+        (w, x, y, z), (p, q, r), (a, b, c) = self._orientation, self._angular_velocity, self._inertia
+        back, damping = -ATTITUDE_STIFFNESS * (2.0 if w >= 0.0 else -2.0), ATTITUDE_DAMPING
+        return (
+            a * (back * x - damping * p),
+            b * (back * y - damping * q),
+            c * (back * z - damping * r),
+        )
 
     def _turning(self, angular: Vector3) -> list[float]:
         """Torque towards the attitude that turns as commanded (Nm, world)."""

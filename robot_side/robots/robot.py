@@ -2,8 +2,9 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar
+
+import msgspec
 
 from farhand.common.geometry import STILL, Twist
 from farhand.common.messages.base import Quaternion, Vector3
@@ -14,8 +15,7 @@ from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.scene.surroundings import Surroundings
 
 
-@dataclass(frozen=True, slots=True)
-class RobotSample:
+class RobotSample(msgspec.Struct, frozen=True):
     """The tool in the base frame, and the joints.
 
     Attributes:

@@ -56,4 +56,5 @@ class CommandIntake:
 
     def refused(self) -> dict[str, int]:
         """Commands refused so far, by reason, those of the watchdog among them."""
-        return dict(self._decoder.refused + self._watchdog.refused + self._flood)
+        sources = [each for each in (self._decoder.refused, self._watchdog.refused, self._flood) if each]
+        return dict(sum(sources, Counter[str]())) if sources else {}

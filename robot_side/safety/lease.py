@@ -71,6 +71,8 @@ class ControlLease:
 
     def waiting(self, now_ns: int) -> tuple[tuple[int, str], ...]:
         """Sessions and names of those who have asked lately, the newest request last."""
+        if not self._askers:
+            return ()
         return tuple(
             (session, asker.name) for session, asker in self._askers.items() if self.waits(session, now_ns)
         )

@@ -1,7 +1,7 @@
 """What the robot plays between commands: the one rule that the operator's prediction relies on, too."""
 
 from farhand.common.geometry import STILL, Twist
-from farhand.common.messages.base import ZERO, Vector3
+from farhand.common.messages.base import ZERO
 from farhand.common.messages.command import VelocityCommand
 
 
@@ -14,27 +14,21 @@ class PlanPlayer:
     """
 
     def __init__(self) -> None:
-        self._twist = STILL
-        self._plan: tuple[Vector3, ...] = ()
-        self._plan_angular: tuple[Vector3, ...] = ()
+        self._twists: tuple[Twist, ...] = (STILL,)
         self._period_ns = 1
         self._applied_ns = 0
 
     def load(self, command: VelocityCommand, now_ns: int) -> None:
         """Play this command from now on."""
-        self._twist = Twist(command.velocity, command.angular)
-        self._plan, self._plan_angular = command.plan, command.plan_angular
+        turning = command.plan_angular + (ZERO,) * (len(command.plan) - len(command.plan_angular))
+        self._twists = Twist(command.velocity, command.angular), *map(Twist, command.plan, turning)
         self._period_ns, self._applied_ns = command.plan_period_ns, now_ns
 
     def clear(self) -> None:
         """Play zero from now on."""
-        self._twist, self._plan, self._plan_angular = STILL, (), ()
+        self._twists = (STILL,)
 
     def twist(self, now_ns: int) -> Twist:
         """Twist of the tool at `now_ns` (base)."""
         j = (now_ns - self._applied_ns) // self._period_ns
-        if j <= 0:
-            return self._twist
-        if j > len(self._plan):
-            return STILL
-        return Twist(self._plan[j - 1], self._plan_angular[j - 1] if j <= len(self._plan_angular) else ZERO)
+        return self._twists[max(0, j)] if j < len(self._twists) else STILL

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -120,3 +121,16 @@ def test_a_disk_without_space_costs_the_cache_alone(tmp_path, size):
         assert done.stdout.split()[:2] == ["4.0", "0"]
     assert ask(tmp_path)[:2] == (4.0, 0)
     assert ask(tmp_path)[:2] == (4.0, 1)
+
+
+def test_a_function_is_compiled_once_for_numbers_and_literals(tmp_path, monkeypatch):
+    kernel = write(tmp_path, 1.0)
+    (kernel / "both.py").write_text(
+        "from tests_kernel.jit import compiled\nfrom tests_kernel.inner import inner\n"
+        "@compiled\ndef both(n):\n    return inner(0) + inner(n)\n",
+        encoding="utf-8",
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    both, inner = import_module("tests_kernel.both").both, import_module("tests_kernel.inner").inner
+    assert both(3) == 5.0
+    assert len(inner.signatures) == 1

@@ -181,12 +181,12 @@ class ArmGuard:
             self._R, self._p, self._R_tool, self._p_tool, self._J,
             self._A, self._b, self._facts, self._watched, self._qd, report,
         )  # fmt: skip
-        what = int(report[kernel.WHAT])
+        said = report.tolist()
+        what, self.nearest = said[kernel.WHAT], said[kernel.NEAREST]
         self.failures += status not in (SOLVED, YIELDED)
         self.pinched += what == kernel.PINCHED
         self.braked += what in (kernel.HALVED, kernel.BRAKING_NOW)
-        self.nearest = float(report[kernel.NEAREST])
-        self.did = self._intervention(what, v, around) if report[kernel.PART] >= 0 else None
+        self.did = self._intervention(int(what), v, around) if said[kernel.PART] >= 0 else None
         return self._qd
 
     def halt(self, previous: Array) -> Array:

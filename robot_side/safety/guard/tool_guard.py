@@ -45,7 +45,6 @@ class ToolGuard:
 
     Attributes:
         did: what was done to the last twist; None: nothing.
-        nearest: least distance of the sphere to an obstacle then (m); 1e6 without any.
         pinched: ticks in which no velocity kept all obstacles off.
     """
 
@@ -59,15 +58,17 @@ class ToolGuard:
         par[LIMIT] = (1.0 - DOUBT) * settings.acceleration
         self._par = par
         self._limit = settings.d_min + SPARE
-        self._x, self._v, self._u_c = np.zeros(3), np.zeros(3), np.zeros(3)
+        self._given = np.zeros(9)
         self._u, self._facts = np.zeros(3), np.zeros(3)
         self.did: Intervention | None = None
-        self.nearest = 1e6
         self.pinched = 0
         # compiled, or loaded, now and not in the first period
-        guard(
-            self._x, self._v, self._u_c, np.zeros((0, COLUMNS)), np.zeros((0, 3)), par, self._u, self._facts
-        )
+        guard(self._given, np.zeros((0, COLUMNS)), np.zeros((0, 3)), par, self._u, self._facts)
+
+    @property
+    def nearest(self) -> float:
+        """Least distance of the sphere to an obstacle at the last twist (m); 1e6 without any."""
+        return float(self._facts[2])
 
     def allow(self, position: Vector3, velocity: Vector3, asked: Twist, around: Surroundings) -> Twist:
         """What of a twist the robot may do now.
@@ -77,11 +78,9 @@ class ToolGuard:
             asked: what watchdog and plan let through.
             around: the obstacles now.
         """
-        self._x[:], self._v[:], self._u_c[:] = position, velocity, asked.linear
-        done = guard(
-            self._x, self._v, self._u_c, around.rows, around.vertices, self._par, self._u, self._facts
-        )
-        self.did, self.nearest = None, float(self._facts[2])
+        self._given[:] = (*position, *velocity, *asked.linear)
+        done = guard(self._given, around.rows, around.vertices, self._par, self._u, self._facts)
+        self.did = None
         if done == FREE:
             return asked
         if done == BAD:

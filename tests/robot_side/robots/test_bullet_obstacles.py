@@ -48,7 +48,7 @@ def test_distances_to_a_ball(world, shape, short):
         obstacle = Obstacle("it", tuple(rng.uniform(-0.1, 0.1, 3).tolist()), shape=shape, orientation=turn)
         field = BulletObstacles(pybullet, client, body)
         truth = distance_to(obstacle, point) - RADIUS
-        found, name = field.nearest([obstacle])
+        found, name, _ = field.nearest([obstacle])
         assert name == "it"
         assert truth - short - EXACT <= found <= truth + EXACT
 
@@ -66,5 +66,30 @@ def test_a_mesh_whose_origin_lies_outside_of_it(world):
     client, body = world
     corners = tuple((x, y, z) for x in (0.5, 0.6) for y in (-0.1, 0.1) for z in (-0.1, 0.1))
     part = Obstacle("part", (0.2, 0.0, 0.0), shape=Mesh(corners))
-    found, _ = BulletObstacles(pybullet, client, body).nearest([part])
+    found, _, _ = BulletObstacles(pybullet, client, body).nearest([part])
     assert found == pytest.approx(0.7 - RADIUS, abs=0.2e-3)
+
+
+def test_what_is_not_measured_again_could_not_be_the_nearest(world):
+    client, body = world
+    rng = np.random.default_rng(3)
+    shapes = (Sphere(0.05), Box((0.05, 0.1, 0.02)), Capsule(0.03, 0.1))
+    places = rng.uniform(-1.0, 1.0, (12, 3))
+    point = np.zeros(3)
+    field = BulletObstacles(pybullet, client, body)
+    names = set()
+    for step in range(400):
+        if step % 20 == 0:  # straight towards another place
+            way = (rng.uniform(-1.0, 1.0, 3) - point) / 20
+        point += way
+        places[:2] += 0.03 * np.sin(0.1 * step)
+        obstacles = [
+            Obstacle(f"o{k}", tuple(place.tolist()), shape=shapes[k % 3]) for k, place in enumerate(places)
+        ]
+        pybullet.resetBasePositionAndOrientation(body, point.tolist(), (0, 0, 0, 1), physicsClientId=client)
+        fresh = BulletObstacles(pybullet, client, body)
+        found = field.nearest(obstacles, float(np.linalg.norm(way)))
+        assert found == fresh.nearest(obstacles)
+        fresh.remove()
+        names.add(found[1])
+    assert len(names) > 3
