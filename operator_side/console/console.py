@@ -1,22 +1,15 @@
 """The console between its pages and the operator's program: told the time, it never waits."""
 
 from collections.abc import Callable
-from dataclasses import asdict
 
-from farhand.common.link.link import Link, Packet
-from farhand.common.messages.codec import encode
-from farhand.common.messages.keys import steering_key
-from farhand.common.messages.steering import Steering
+from farhand.common.link.link import Link
 from farhand.operator_side.console.frames import situation
 from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
 from farhand.operator_side.console.said import Do, Steer
-from farhand.operator_side.console.seat import Seat, Wish
+from farhand.operator_side.console.seat import Seat
 from farhand.operator_side.console.status import lost
-
-IDLE_NS = 500_000_000
-"""A driver that holds nothing down is told of so often, so that the wheel stays its own."""
-_PRESSED = ("engaged", "estop", "acknowledge", "take", "release")
+from farhand.operator_side.steering.sender import SteeringSender
 
 FindModel = Callable[[str], RobotModel | None]
 """The drawing of a model by its name; None where there is none."""
@@ -32,8 +25,8 @@ class Console:
 
     def __init__(self, robot: str, link: Link, session: int, find_model: FindModel = lambda _: None) -> None:
         self.robot, self.seat, self.picture = robot, Seat(), Picture(robot)
-        self._link, self._session, self._find = link, session, find_model
-        self._seq, self._told_ns, self._was_pressed = -1, 0, False
+        self._link, self._find = link, find_model
+        self._sender = SteeringSender(robot, link, session, "console", "the console")
         self._model: tuple[str, RobotModel | None] = ("", None)
 
     @property
@@ -66,20 +59,4 @@ class Console:
 
     def _tell(self, now_ns: int) -> None:
         wish = self.seat.wish(now_ns)
-        pressed = any(getattr(wish, name) for name in _PRESSED)
-        idle = self.seat.driver != 0 and now_ns - self._told_ns > IDLE_NS
-        if not (pressed or self._was_pressed or idle):
-            return
-        self._was_pressed, self._told_ns = pressed, now_ns
-        self._seq += 1
-        self._link.send(Packet(steering_key(self.robot), encode(self._message(wish, now_ns))))
-
-    def _message(self, wish: Wish, now_ns: int) -> Steering:
-        return Steering(
-            source="console",
-            session=self._session,
-            seq=self._seq,
-            t_sent_ns=now_ns,
-            device="the console",
-            **asdict(wish),
-        )
+        self._sender.tell(wish, now_ns, keeps_wheel=self.seat.driver != 0)

@@ -6,10 +6,9 @@ late, twice or out of order moves nothing.
 
 from dataclasses import dataclass, field, replace
 
-from farhand.common.messages.base import ZERO, Quaternion, Vector3
-from farhand.common.messages.steering import Frame
 from farhand.operator_side.console.said import Do, Steer
 from farhand.operator_side.steering.latch import Latch
+from farhand.operator_side.steering.sender import Wish
 
 GONE_AFTER_NS = 3_000_000_000
 """A driver that says nothing for so long drives no more."""
@@ -40,23 +39,6 @@ class Page:
     steer: Steer | None = None
     fastest_ns: int | None = None
     allowance: float = BURST
-
-
-@dataclass(frozen=True, slots=True)
-class Wish:
-    """What the operator's program is told; see common/messages/steering.py."""
-
-    engaged: bool = False
-    press: int = 0
-    linear: Vector3 = ZERO
-    angular: Vector3 = ZERO
-    frame: Frame = "base"
-    view: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    scale: float = 1.0
-    estop: bool = False
-    acknowledge: bool = False
-    take: bool = False
-    release: bool = False
 
 
 class Seat:
