@@ -62,16 +62,19 @@ def _run_programs(
 ) -> str:
     """Start the three, and a console if a browser steers, show their progress, end them; returns what went wrong."""
     clock = SystemClock()
-    *ports, page = free_ports(4)
+    *ports, page, control = free_ports(5)
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in ports)
     children = Children(folder, clock)
     reader: ReportReader | None = None
     try:
         name = run.scenario.robot.kind
-        wanted = _words(run, folder, left, operator_side, robot_side, report)
+        netem = f"tcp/127.0.0.1:{control}" if browser else ""
+        wanted = _words(run, folder, left, operator_side, robot_side, report, netem)
         if browser:
             listen = f"127.0.0.1:{page}"
-            wanted.append(ConsoleWords(connect=report, listen=listen, robot=name, opens=has_desktop()))
+            wanted.append(
+                ConsoleWords(connect=report, listen=listen, robot=name, netem=netem, opens=has_desktop())
+            )
             view.note(f"drive at http://{listen}/")
         for words in wanted:
             children.start(words.COMMAND, words.words())
@@ -95,7 +98,7 @@ def _run_programs(
 
 
 def _words(
-    run: Run, folder: Path, left: Path, operator_side: str, robot_side: str, report: str
+    run: Run, folder: Path, left: Path, operator_side: str, robot_side: str, report: str, control: str
 ) -> list[Words]:
     """The command lines of the three programs, in the order of their start."""
     scenario, robot = str(write_scenario(run, folder)), run.scenario.robot.kind
@@ -107,6 +110,7 @@ def _words(
             downlink=run.network.downlink.text,
             seed=run.seed,
             timeline=run.timeline,
+            control=control,
             stats=str(left / NETEM),
         ),
         RobotWords(scenario=scenario, robot=robot, connect=(robot_side,), result=str(left / ROBOT)),

@@ -20,11 +20,13 @@ from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.tls import load_folder
+from farhand.netem.control import control_endpoint
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
 from farhand.operator_side.console.said import MAX_BYTES
 from farhand.operator_side.console.server import Door, Server, build_of
+from farhand.programs.live_network import LiveNetwork
 from farhand.programs.sessions import random_session
 from farhand.robot_side.arm.catalogue import ARMS, data_folder
 
@@ -43,6 +45,7 @@ class ConsoleOptions:
         token: what a page must know; needed beyond this host.
         tls: folder with cert.pem and key.pem, for browsers; needed beyond this host.
         opens: whether a browser is opened here.
+        netem: the emulator's live control, on this host; empty: the network cannot be changed from the page.
     """
 
     robot: str
@@ -51,6 +54,7 @@ class ConsoleOptions:
     token: str = ""
     tls: str = ""
     opens: bool = False
+    netem: str = ""
 
 
 def console_program(options: ConsoleOptions) -> int:
@@ -59,6 +63,8 @@ def console_program(options: ConsoleOptions) -> int:
     connect = local_only(options.connect, "--connect")
     host, port = _host_and_port(options.listen)
     _check_reach(options, host)
+    if options.netem:
+        control_endpoint(options.netem)
     stop_event, clock = stop_event_on_signals(), SystemClock()
     with ExitStack() as closing:
         bound = closing.enter_context(_bound(host, port))
@@ -67,7 +73,10 @@ def console_program(options: ConsoleOptions) -> int:
         link = ZenohLink(open_session([connect]), Picture(robot).keys, clock)
         closing.callback(link.close)
         PeerWatch("console", connect, link.connected, stop_event)
-        console = Console(robot, link, random_session(), _find_model)
+        network = LiveNetwork(options.netem, robot, clock.now_ns) if options.netem else None
+        if network is not None:
+            closing.callback(network.close)
+        console = Console(robot, link, random_session(), _find_model, network)
         names = {host, "localhost", "127.0.0.1"} if is_loopback(f"tcp/{options.listen}") else {host}
         door = Door(
             hosts=frozenset(f"{name}:{port}" for name in names), token=options.token, build=build_of()

@@ -1,12 +1,14 @@
 """The console between its pages and the operator's program: told the time, it never waits."""
 
 from collections.abc import Callable
+from typing import Any
 
 from farhand.common.link.link import Link
-from farhand.operator_side.console.frames import situation
+from farhand.operator_side.console.frames import frame, situation
+from farhand.operator_side.console.network import Network, NetworkTold
 from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
-from farhand.operator_side.console.said import Do, Steer
+from farhand.operator_side.console.said import ChooseNetwork, Ordered
 from farhand.operator_side.console.seat import Seat
 from farhand.operator_side.console.status import lost
 from farhand.operator_side.steering.sender import SteeringSender
@@ -21,11 +23,19 @@ class Console:
     link: to the operator's report endpoint.
     session: this start of the program.
     find_model: see there.
+    network: None: it cannot be changed from here.
     """
 
-    def __init__(self, robot: str, link: Link, session: int, find_model: FindModel = lambda _: None) -> None:
+    def __init__(
+        self,
+        robot: str,
+        link: Link,
+        session: int,
+        find_model: FindModel = lambda _: None,
+        network: Network | None = None,
+    ) -> None:
         self.robot, self.seat, self.picture = robot, Seat(), Picture(robot)
-        self._link, self._find = link, find_model
+        self._link, self._find, self._network = link, find_model, network
         self._sender = SteeringSender(robot, link, session, "console", "the console")
         self._model: tuple[str, RobotModel | None] = ("", None)
 
@@ -37,6 +47,11 @@ class Console:
             self._model = (robot.model, self._find(robot.model) if robot.model else None)
         return self._model[1]
 
+    @property
+    def network(self) -> NetworkTold | None:
+        """The network as it is, where it can be changed."""
+        return self._network.told() if self._network is not None else None
+
     def beat(self, now_ns: int) -> None:
         """Take what has come, lock what must not be driven, tell the operator's program; 50 times a second."""
         for packet in self._link.receive():
@@ -46,9 +61,10 @@ class Console:
         self.seat.lock(lost(situation(self.picture, self.seat, now_ns)))
         self._tell(now_ns)
 
-    def hear(self, number: int, said: Steer | Do, now_ns: int) -> bool:
+    def hear(self, number: int, said: Ordered, now_ns: int) -> bool:
         """Take what a page says, and pass it on at once; False where it must go."""
         stays = self.seat.hear(number, said, now_ns)
+        self._change_network()
         self._tell(now_ns)
         return stays
 
@@ -56,6 +72,20 @@ class Console:
         """A page is gone."""
         self.seat.leave(number)
         self._tell(now_ns)
+
+    def frame(self, number: int, now_ns: int) -> dict[str, Any]:
+        """What page `number` is told of one instant."""
+        return frame(self.picture, self.seat, number, now_ns, self.network)
+
+    def _change_network(self) -> None:
+        change, self.seat.change = self.seat.change, None
+        told = self.network
+        if change is None or told is None or self._network is None:
+            return
+        if not isinstance(change, ChooseNetwork):
+            self._network.cut(change.seconds)
+        elif change.name in told.names:
+            self._network.choose(change.name)
 
     def _tell(self, now_ns: int) -> None:
         wish = self.seat.wish(now_ns)

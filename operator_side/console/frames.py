@@ -7,6 +7,7 @@ import msgspec
 
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
+from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.picture import NEVER, Picture
 from farhand.operator_side.console.seat import Seat
 from farhand.operator_side.console.status import Situation, lost, reasons
@@ -40,7 +41,9 @@ def situation(picture: Picture, seat: Seat, now_ns: int) -> Situation:
     )
 
 
-def frame(picture: Picture, seat: Seat, number: int, now_ns: int) -> dict[str, Any]:
+def frame(
+    picture: Picture, seat: Seat, number: int, now_ns: int, network: NetworkTold | None = None
+) -> dict[str, Any]:
     """What page `number` is told of one instant."""
     now = situation(picture, seat, now_ns)
     state, report = picture.state, picture.report
@@ -64,6 +67,7 @@ def frame(picture: Picture, seat: Seat, number: int, now_ns: int) -> dict[str, A
         "stopping": now.stopping,
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
         "late": page is not None and page.late,
+        "networks": _network(network, changeable=number == seat.driver) if network is not None else None,
     }
 
 
@@ -91,6 +95,10 @@ def robot_told(robot: RobotDescription) -> dict[str, Any]:
 def _obstacle(found: dict[str, Any]) -> dict[str, Any]:
     """With all that is left out on the wire where it is a default."""
     return {"orientation": (1.0, 0.0, 0.0, 0.0), "velocity": (0.0, 0.0, 0.0)} | found
+
+
+def _network(network: NetworkTold, *, changeable: bool) -> dict[str, Any]:
+    return {**asdict(network), "name": network.name, "changeable": changeable}
 
 
 def _age(seconds: float) -> float | None:

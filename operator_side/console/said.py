@@ -70,7 +70,33 @@ class Do(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag=
     to: Number = 0
 
 
-Said = Hello | Steer | Do
+class ChooseNetwork(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag="network"):
+    """Change the emulated network.
+
+    Attributes:
+        n: as in Steer.
+        name: one of those that are offered.
+    """
+
+    n: Number
+    name: Annotated[str, Meta(max_length=256)]
+
+
+class CutNetwork(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag="outage"):
+    """Have no network for a while.
+
+    Attributes:
+        n: as in Steer.
+        seconds: how long (s).
+    """
+
+    n: Number
+    seconds: Annotated[float, Meta(ge=1, le=5)]
+
+
+Ordered = Steer | Do | ChooseNetwork | CutNetwork
+"""What counts in its order only."""
+Said = Hello | Steer | Do | ChooseNetwork | CutNetwork
 _decoder: msgspec.msgpack.Decoder[Said] = msgspec.msgpack.Decoder(Said)
 
 

@@ -6,7 +6,7 @@ late, twice or out of order moves nothing.
 
 from dataclasses import dataclass, field, replace
 
-from farhand.operator_side.console.said import Do, Steer
+from farhand.operator_side.console.said import ChooseNetwork, CutNetwork, Do, Ordered, Steer
 from farhand.operator_side.steering.latch import Latch
 from farhand.operator_side.steering.sender import Wish
 
@@ -47,6 +47,7 @@ class Seat:
     driver: number of the page that drives; 0: none.
     locked: why nobody may drive now; empty: nothing is in the way.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
+    change: of the network, that the driver asked for and nobody has taken up yet.
     """
 
     def __init__(self) -> None:
@@ -54,6 +55,7 @@ class Seat:
         self.driver = 0
         self.locked = ""
         self.stopping = False
+        self.change: ChooseNetwork | CutNetwork | None = None
         self._press = 0
         self._estop_ns: int | None = None
         self._acknowledge = self._take = self._release = False
@@ -68,7 +70,7 @@ class Seat:
         if self.driver == number:
             self._free()
 
-    def hear(self, number: int, said: Steer | Do, now_ns: int) -> bool:
+    def hear(self, number: int, said: Ordered, now_ns: int) -> bool:
         """Take what a page says; False where it says too much and must go."""
         page = self.pages[number]
         page.allowance = min(BURST, page.allowance + (now_ns - page.heard_ns) * 1e-9 * RATE) - 1.0
@@ -80,6 +82,8 @@ class Seat:
         page.order = said.n
         if isinstance(said, Do):
             self._do(number, page, said, now_ns)
+        elif not isinstance(said, Steer):
+            self.change = said if number == self.driver else self.change
         else:
             self._steer(number, page, said, now_ns)
         return True

@@ -16,7 +16,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from farhand.operator_side.console.console import Console
-from farhand.operator_side.console.frames import frame, robot_told, scene_told
+from farhand.operator_side.console.frames import robot_told, scene_told
 from farhand.operator_side.console.said import Hello, SaidError, read_said
 
 STATIC = Path(__file__).resolve().parent / "static"
@@ -177,7 +177,7 @@ class Server:
             if picture.scene is not None and picture.scene is not told[1]:
                 told[1] = picture.scene
                 await _send(socket, scene_told(picture.scene))
-            await _send(socket, frame(picture, self._console.seat, number, self._now_ns()))
+            await _send(socket, self._console.frame(number, self._now_ns()))
 
     async def _hear(self, socket: WebSocket, number: int) -> None:
         while True:
