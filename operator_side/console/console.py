@@ -88,5 +88,4 @@ class Console:
             self._network.choose(change.name)
 
     def _tell(self, now_ns: int) -> None:
-        wish = self.seat.wish(now_ns)
-        self._sender.tell(wish, now_ns, keeps_wheel=self.seat.driver != 0)
+        self._sender.send(self.seat.wish(now_ns), now_ns, drives=self.seat.driver != 0)

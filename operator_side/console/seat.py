@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from farhand.operator_side.console.said import ChooseNetwork, CutNetwork, Do, Ordered, Steer
 from farhand.operator_side.steering.latch import Latch
-from farhand.operator_side.steering.sender import Wish
+from farhand.operator_side.steering.wish import Wish
 
 GONE_AFTER_NS = 3_000_000_000
 """A driver that says nothing for so long drives no more."""

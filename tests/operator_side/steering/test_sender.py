@@ -4,7 +4,8 @@ from farhand.common.link.link import memory_wire
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import steering_key
 from farhand.common.messages.steering import Steering
-from farhand.operator_side.steering.sender import IDLE_NS, SteeringSender, Wish
+from farhand.operator_side.steering.sender import IDLE_NS, SteeringSender
+from farhand.operator_side.steering.wish import Wish
 
 HELD = Wish(engaged=True, press=1, linear=(1.0, 0.0, 0.0))
 
@@ -17,7 +18,7 @@ class Hand:
 
     def tells(self, wish, after_ns=20_000_000, keeps=True):
         self.now_ns += after_ns
-        self.sender.tell(wish, self.now_ns, keeps_wheel=keeps)
+        self.sender.send(wish, self.now_ns, drives=keeps)
         found = self.far.receive()
         assert all(packet.key == steering_key("r") for packet in found)
         return [self.decoder.decode(packet.payload) for packet in found]
