@@ -4,13 +4,14 @@ from collections.abc import Callable
 from typing import Any
 
 from farhand.common.link.link import Link
+from farhand.operator_side.console.absence import Absence
 from farhand.operator_side.console.frames import frame, situation
 from farhand.operator_side.console.network import Network, NetworkTold
 from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
 from farhand.operator_side.console.said import ChooseNetwork, Ordered
 from farhand.operator_side.console.seat import Seat
-from farhand.operator_side.console.status import lost
+from farhand.operator_side.console.status import Situation, lost
 from farhand.operator_side.steering.sender import SteeringSender
 
 FindModel = Callable[[str], RobotModel | None]
@@ -37,6 +38,7 @@ class Console:
         self.robot, self.seat, self.picture = robot, Seat(), Picture(robot)
         self._link, self._find, self._network = link, find_model, network
         self._sender = SteeringSender(robot, link, session, "console", "the console")
+        self._absence = Absence()
         self._model: tuple[str, RobotModel | None] = ("", None)
 
     @property
@@ -58,7 +60,9 @@ class Console:
             self.picture.take(packet)
         if self.picture.state is not None and self.picture.state.mode == "estop":
             self.seat.stopped()
-        self.seat.lock(lost(situation(self.picture, self.seat, now_ns)))
+        now = self._situation(now_ns)
+        self.seat.lock(lost(now))
+        self._absence.note(bool(lost(now)), now_ns, pressed=now.holds)
         self._tell(now_ns)
 
     def hear(self, number: int, said: Ordered, now_ns: int) -> bool:
@@ -75,7 +79,17 @@ class Console:
 
     def frame(self, number: int, now_ns: int) -> dict[str, Any]:
         """What page `number` is told of one instant."""
-        return frame(self.picture, self.seat, number, now_ns, self.network)
+        return frame(self.picture, self.seat, self._situation(now_ns), self.network, number, now_ns)
+
+    def _situation(self, now_ns: int) -> Situation:
+        network = self.network
+        return situation(
+            self.picture,
+            self.seat,
+            now_ns,
+            outage=network is not None and network.outage,
+            was_lost=self._absence.was_lost,
+        )
 
     def _change_network(self) -> None:
         change, self.seat.change = self.seat.change, None

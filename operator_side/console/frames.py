@@ -26,8 +26,8 @@ _REPORT = _words(
 )
 
 
-def situation(picture: Picture, seat: Seat, now_ns: int) -> Situation:
-    """What the status is made from."""
+def situation(picture: Picture, seat: Seat, now_ns: int, *, outage: bool, was_lost: float) -> Situation:
+    """What the status is made from; for the last two see there."""
     report_age, state_age = picture.ages(now_ns)
     driver = seat.pages.get(seat.driver)
     return Situation(
@@ -38,18 +38,25 @@ def situation(picture: Picture, seat: Seat, now_ns: int) -> Situation:
         driver.name if driver is not None else "",
         seat.holds(now_ns),
         seat.stopping,
+        outage,
+        was_lost,
     )
 
 
 def frame(
-    picture: Picture, seat: Seat, number: int, now_ns: int, network: NetworkTold | None = None
+    picture: Picture,
+    seat: Seat,
+    now: Situation,
+    network: NetworkTold | None,
+    number: int,
+    now_ns: int,
 ) -> dict[str, Any]:
     """What page `number` is told of one instant."""
-    now = situation(picture, seat, now_ns)
     state, report = picture.state, picture.report
     page = seat.pages.get(number)
     return {
         "kind": "frame",
+        "stamp": now_ns // 1_000_000,
         "state": {name: getattr(state, name) for name in _STATE} if state is not None else None,
         "guard": msgspec.to_builtins(state.guard) if state is not None and state.guard else None,
         "report": {name: getattr(report, name) for name in _REPORT} if report is not None else None,

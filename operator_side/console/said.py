@@ -43,6 +43,7 @@ class Steer(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", t
         linear, angular: shares -1..1, along the axes of `frame`.
         view: orientation of the view in base (w, x, y, z).
         scale: what both are multiplied by.
+        seen: the `stamp` of the newest frame that the page has; None: not said.
     """
 
     n: Number
@@ -54,6 +55,7 @@ class Steer(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", t
     frame: Frame = "base"
     view: tuple[Unit, Unit, Unit, Unit] = (1.0, 0.0, 0.0, 0.0)
     scale: Share = 1.0
+    seen: Number | None = None
 
 
 class Do(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag="do"):

@@ -14,6 +14,14 @@ GONE_AFTER_NS = 3_000_000_000
 """A driver that says nothing for so long drives no more."""
 LATE_NS = 150_000_000
 """A message that took so much longer than the fastest of its page counts as not sent."""
+SETTLED_NS = 50_000_000
+"""A page whose messages become faster by more than this was late until now, and for LATE_NS nothing of it counts: so
+what was held up since the page came moves nothing when it comes all at once."""
+SLEPT_NS, WAKES_NS = 1_000_000_000, 300_000_000
+"""A page that said nothing for the first was asleep; for the second nothing of it counts: what was pressed meanwhile is
+old, whatever the page makes of it."""
+SEEN_NS = 500_000_000
+"""Whoever steers has seen a frame that is not older than this."""
 ESTOP_FOR_NS = 1_000_000_000
 """For so long an emergency stop is said again and again; the operator's program goes on until the robot has it."""
 RATE, BURST = 200.0, 400.0
@@ -26,8 +34,17 @@ class Page:
 
     Attributes:
         name: for people.
+        heard_ns: when it said anything.
+        latch: of its hand.
         asks: whether it asks for the wheel that another one has.
         late: whether its newest message came too late to count.
+        order: number of the newest message.
+        steer: the newest of its kind, which came at `steered_ns`.
+        fastest_ns: least difference between this clock and the page's of all messages: the time under way, but for a
+            constant. None: none has come.
+        usual_ns: the same when it became less by much for the last time.
+        settles_ns: until then nothing of it counts.
+        allowance: how many messages it may still send at once.
     """
 
     name: str
@@ -38,6 +55,9 @@ class Page:
     order: int = -1
     steer: Steer | None = None
     fastest_ns: int | None = None
+    usual_ns: int = 0
+    steered_ns: int = 0
+    settles_ns: int = 0
     allowance: float = BURST
 
 
@@ -135,11 +155,10 @@ class Seat:
         )
 
     def _steer(self, number: int, page: Page, said: Steer, now_ns: int) -> None:
-        took_ns = now_ns - round(said.t * 1e6)
-        page.fastest_ns = took_ns if page.fastest_ns is None else min(page.fastest_ns, took_ns)
-        page.late = took_ns - page.fastest_ns > LATE_NS
+        page.late = _is_late(page, said, now_ns)
         held = page.latch.holds(now_ns)
-        may = number == self.driver and not self.locked and not page.late and self._estop_ns is None
+        in_time = not page.late and now_ns >= page.settles_ns
+        may = number == self.driver and not self.locked and in_time and self._estop_ns is None
         page.latch.hear(said.engaged and may, said.press, now_ns)
         page.steer = said
         if page.latch.holds(now_ns) and not held:
@@ -175,3 +194,16 @@ class Seat:
         if waiting:
             self._give(waiting)
             self._release = False
+
+
+def _is_late(page: Page, said: Steer, now_ns: int) -> bool:
+    """Whether a message was held up under way; notes how long this page's usually take, on no clock in common."""
+    took_ns = now_ns - round(said.t * 1e6)
+    if page.fastest_ns is None or took_ns < page.usual_ns - SETTLED_NS:
+        page.usual_ns, page.settles_ns = took_ns, now_ns + LATE_NS
+    if now_ns - page.steered_ns > SLEPT_NS:
+        page.settles_ns = now_ns + WAKES_NS
+    page.steered_ns = now_ns
+    page.fastest_ns = took_ns if page.fastest_ns is None else min(page.fastest_ns, took_ns)
+    unseen = said.seen is not None and now_ns - said.seen * 1_000_000 > SEEN_NS
+    return took_ns - page.fastest_ns > LATE_NS or unseen

@@ -68,7 +68,20 @@ def test_a_press_reaches_the_operator_and_the_end_of_the_page_lets_go(client, op
         hear(socket, "frame", lambda told: not told["locked"])
         say(socket, kind="do", n=1, what="take")
         hear(socket, "frame", lambda told: told["driver"] == told["you"])
-        say(socket, kind="steer", n=2, t=10.0, engaged=True, press=1, linear=(0.0, 1.0, 0.0), scale=0.6)
+        say(socket, kind="steer", n=2, t=0.0, engaged=False, press=0)
+        began = hear(socket, "frame")["stamp"]
+        told = hear(socket, "frame", lambda told: told["stamp"] > began + 350)
+        say(
+            socket,
+            kind="steer",
+            n=3,
+            t=told["stamp"] - began,
+            engaged=True,
+            press=1,
+            linear=(0.0, 1.0, 0.0),
+            scale=0.6,
+            seen=told["stamp"],
+        )
         told = hear(socket, "frame", lambda told: told["heard"] == 1)
         assert told["you"] == 1
         pressed = [each for each in operator.told if each.engaged]
