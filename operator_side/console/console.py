@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from farhand.common.link.link import Link
+from farhand.common.messages.keys import mirror_key
 from farhand.operator_side.console.absence import Absence
 from farhand.operator_side.console.frames import frame, situation
 from farhand.operator_side.console.network import Network, NetworkTold
@@ -11,7 +12,8 @@ from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
 from farhand.operator_side.console.said import ChooseNetwork, Ordered
 from farhand.operator_side.console.seat import Seat
-from farhand.operator_side.console.status import Situation, lost
+from farhand.operator_side.console.sight import Sight
+from farhand.operator_side.console.status import Situation, lost, unheard
 from farhand.operator_side.steering.sender import SteeringSender
 
 FindModel = Callable[[str], RobotModel | None]
@@ -38,7 +40,8 @@ class Console:
         self.robot, self.seat, self.picture = robot, Seat(), Picture(robot)
         self._link, self._find, self._network = link, find_model, network
         self._sender = SteeringSender(robot, link, session, "console", "the console")
-        self._absence = Absence()
+        self._absence, self._sight = Absence(), Sight()
+        self._camera_key = mirror_key(robot, "camera")
         self._model: tuple[str, RobotModel | None] = ("", None)
 
     @property
@@ -58,11 +61,13 @@ class Console:
         """Take what has come, lock what must not be driven, tell the operator's program; 50 times a second."""
         for packet in self._link.receive():
             self.picture.take(packet)
+            if packet.key == self._camera_key:
+                self._sight.note(packet.arrived_ns)
         if self.picture.state is not None and self.picture.state.mode == "estop":
             self.seat.stopped()
         now = self._situation(now_ns)
         self.seat.lock(lost(now))
-        self._absence.note(bool(lost(now)), now_ns, pressed=now.holds)
+        self._absence.note(unheard(now), now_ns, pressed=now.holds)
         self._tell(now_ns)
 
     def hear(self, number: int, said: Ordered, now_ns: int) -> bool:
@@ -87,6 +92,7 @@ class Console:
             self.picture,
             self.seat,
             now_ns,
+            frozen=self._sight.frozen(now_ns),
             outage=network is not None and network.outage,
             was_lost=self._absence.was_lost,
         )

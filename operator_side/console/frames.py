@@ -10,7 +10,7 @@ from farhand.common.messages.scene import Scene
 from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.picture import NEVER, Picture
 from farhand.operator_side.console.seat import Seat
-from farhand.operator_side.console.status import Situation, lost, reasons
+from farhand.operator_side.console.status import Situation, reasons, unheard
 
 
 def _words(text: str) -> tuple[str, ...]:
@@ -26,8 +26,10 @@ _REPORT = _words(
 )
 
 
-def situation(picture: Picture, seat: Seat, now_ns: int, *, outage: bool, was_lost: float) -> Situation:
-    """What the status is made from; for the last two see there."""
+def situation(
+    picture: Picture, seat: Seat, now_ns: int, *, outage: bool, frozen: float, was_lost: float
+) -> Situation:
+    """What the status is made from; for the last three see there."""
     report_age, state_age = picture.ages(now_ns)
     driver = seat.pages.get(seat.driver)
     return Situation(
@@ -39,6 +41,7 @@ def situation(picture: Picture, seat: Seat, now_ns: int, *, outage: bool, was_lo
         seat.holds(now_ns),
         seat.stopping,
         outage,
+        frozen,
         was_lost,
     )
 
@@ -62,7 +65,7 @@ def frame(
         "report": {name: getattr(report, name) for name in _REPORT} if report is not None else None,
         "age": _age(now.state_age),
         "report_age": _age(now.report_age),
-        "path": picture.path if not lost(now) else [],
+        "path": picture.path if not unheard(now) else [],
         "reasons": [asdict(reason) for reason in reasons(now)],
         "locked": seat.locked,
         "you": number,
@@ -73,6 +76,7 @@ def frame(
         "holds": now.holds,
         "stopping": now.stopping,
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
+        "counts": seat.counts(number, now_ns),
         "late": page is not None and page.late,
         "networks": _network(network, changeable=number == seat.driver) if network is not None else None,
     }

@@ -124,6 +124,11 @@ class Seat:
         page = self.pages.get(self.driver)
         return page is not None and not self.locked and page.latch.holds(now_ns)
 
+    def counts(self, number: int, now_ns: int) -> bool:
+        """Whether a press of this page would count now: it is heard, in time."""
+        page = self.pages.get(number)
+        return page is not None and page.steer is not None and not page.late and now_ns >= page.settles_ns
+
     def wish(self, now_ns: int) -> Wish:
         """What is wanted at `now_ns`; buttons that are pressed once are in one wish only."""
         page = self.pages.get(self.driver)
@@ -157,10 +162,10 @@ class Seat:
     def _steer(self, number: int, page: Page, said: Steer, now_ns: int) -> None:
         page.late = _is_late(page, said, now_ns)
         held = page.latch.holds(now_ns)
-        in_time = not page.late and now_ns >= page.settles_ns
-        may = number == self.driver and not self.locked and in_time and self._estop_ns is None
-        page.latch.hear(said.engaged and may, said.press, now_ns)
         page.steer = said
+        counts = number == self.driver and self.counts(number, now_ns)
+        may = counts and not self.locked and self._estop_ns is None
+        page.latch.hear(said.engaged and may, said.press, now_ns)
         if page.latch.holds(now_ns) and not held:
             self._press += 1
 

@@ -7,6 +7,7 @@ from typing import Literal
 from farhand.common.geometry import norm
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
+from farhand.operator_side.console.sight import GONE_AFTER
 
 LOST_AFTER = 1.0
 """Without news for so long nobody drives (s)."""
@@ -46,6 +47,7 @@ class Situation:
     holds: whether it holds something down.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
     outage: whether an outage of the emulated network runs.
+    frozen: for how long the camera has shown nothing new (s); 0: it does, or there is none.
     was_lost: for how long there had been no news, until a moment ago (s); 0: nothing of the kind.
     """
 
@@ -57,6 +59,7 @@ class Situation:
     holds: bool = False
     stopping: bool = False
     outage: bool = False
+    frozen: float = 0.0
     was_lost: float = 0.0
 
 
@@ -69,6 +72,11 @@ def reasons(now: Situation) -> list[Reason]:
 def lost(now: Situation) -> str:
     """Why nobody may drive; empty where nothing is in the way."""
     return next((reason.what for reason in _lost(now)), "")
+
+
+def unheard(now: Situation) -> bool:
+    """Whether there is no news from the robot, or none of the operator's program."""
+    return now.report is None or now.state is None or max(now.report_age, now.state_age) > LOST_AFTER
 
 
 def _lost(now: Situation) -> Iterator[Reason]:
@@ -91,6 +99,12 @@ def _lost(now: Situation) -> Iterator[Reason]:
             "link lost",
             f"No news from the robot for {now.state_age:.1f} s. Driving is locked.",
             f"{_OUTAGE if now.outage else ''}It unlocks by itself when the robot is heard again; then press anew.",
+        )
+    if now.frozen:
+        yield Reason(
+            "held",
+            f"The camera shows nothing new for {now.frozen:.1f} s. Driving is locked.",
+            f"It unlocks with the next picture, or without a camera after {GONE_AFTER:g} s; then press anew.",
         )
 
 

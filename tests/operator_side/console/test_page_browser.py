@@ -59,7 +59,12 @@ class Desk:
     def sits_down(self):
         self.browser.open(self.url)
         self.until(lambda: self.browser.text("driver") == "you drive", "the page drives")
+        self.until(self.counts, "what the page says counts")
         return self
+
+    def counts(self):
+        seat = self.console.seat
+        return seat.counts(seat.driver, self.operator.clock.now_ns())
 
     def presses(self, code="KeyW"):
         self.browser.key(code)

@@ -3,7 +3,7 @@
 import pytest
 
 from farhand.common.messages.intervention import Intervention
-from farhand.operator_side.console.status import NOT_ENGAGED, Situation, lost, reasons
+from farhand.operator_side.console.status import NOT_ENGAGED, Situation, lost, reasons, unheard
 from farhand.testing import report, state
 
 NEAR = Intervention(
@@ -39,6 +39,7 @@ def situation(**more):
         (situation(driver="page 1", was_lost=3.2), "ready", "Connected again after 3.2 s. Nothing moves"),
         (situation(driver="page 1", holds=True), "run", "As asked"),
         (situation(driver="page 1", holds=True, state_age=0.6), "link lost", "what the robot does now is not known"),
+        (situation(driver="page 1", frozen=1.5), "held", "nothing new for 1.5 s. Driving is locked"),
         (situation(driver="page 1", holds=True, report_age=0.6), "link lost", "from the operator's program"),
         (situation(driver="page 1", holds=True, report=report(mode="hold", stop_reason=NOT_ENGAGED)), "held", "Let go"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),
@@ -49,9 +50,8 @@ def test_the_first_reason_is_the_pill(now, pill, words):
     first = reasons(now)[0]
     assert first.pill == pill
     assert words in first.what
-    assert bool(lost(now)) is (
-        now.report is None or now.state is None or max(now.report_age, now.state_age) > 1
-    )
+    assert bool(lost(now)) is (unheard(now) or now.frozen > 0)
+    assert unheard(now) is (now.report is None or now.state is None or max(now.report_age, now.state_age) > 1)
     if pill not in ("run", "ready"):
         assert first.clears
 
