@@ -7,6 +7,7 @@ import signal
 import subprocess
 import threading
 import urllib.request
+from contextlib import contextmanager
 
 import psutil
 
@@ -88,10 +89,34 @@ class Browser:
             autoRepeat=repeat,
         )
 
-    def new_tab(self):
+    @contextmanager
+    def later(self, code):
+        """A key that goes down while the browser may be frozen, and up at the end."""
+        thread = threading.Thread(target=self.key, args=(code,), daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            thread.join(20)
+            self.key(code, down=False)
+
+    def hang(self, seconds):
+        """Keep the page's own thread busy, without waiting for it."""
+        self.run(
+            f"setTimeout(() => {{const t = performance.now(); while (performance.now() - t < {seconds * 1e3});}}, 0)"
+        )
+
+    def new_tab(self, in_front=True):
+        """Another tab, which is gone to if it is in front."""
+        before = self.tab
         handle = self.post("window/new", type="tab")["handle"]
-        self.post("window", handle=handle)
+        self.post("window", handle=handle if in_front else before)
+        self.cdp("Page.bringToFront")
         return handle
+
+    @property
+    def tabs(self):
+        return self._ask("GET", f"/session/{self._session}/window/handles")
 
     @property
     def tab(self):

@@ -15,7 +15,7 @@ class Operator:
     def __init__(self):
         self.clock, self.told, self.seq = SystemClock(), [], 0
         self.told_ns = []
-        self.state, self.silent = {}, False
+        self.state, self.silent, self.camera = {}, False, False
         self.decoder = Decoder(Steering)
 
     def send(self, packet):
@@ -34,4 +34,5 @@ class Operator:
             mirror_key("r", "description"): description(1, model="ur5"),
             mirror_key("r", "command"): command(self.seq, plan=((0.1, 0.0, 0.0),)),
         }
-        return [Packet(key, encode(message), self.clock.now_ns()) for key, message in found.items()]
+        seen = [Packet(mirror_key("r", "camera"), b"", self.clock.now_ns())] if self.camera else []
+        return seen + [Packet(key, encode(message), self.clock.now_ns()) for key, message in found.items()]
