@@ -1,7 +1,6 @@
 """The program `farhand console`: the operator's seat in a browser, beside a running operator's program."""
 
 import asyncio
-import logging
 import socket
 import threading
 import webbrowser
@@ -24,14 +23,14 @@ from farhand.netem.control import control_endpoint
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
-from farhand.operator_side.console.said import MAX_BYTES
 from farhand.operator_side.console.server import Door, Server, build_of
+from farhand.operator_side.console.web import web_config
 from farhand.programs.live_network import LiveNetwork
 from farhand.programs.sessions import random_session
 from farhand.robot_side.arm.catalogue import ARMS, data_folder
 
 LOOK_EVERY = 0.2
-CLOSING_TIME = 1
+LEAST_TOKEN = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,20 +98,7 @@ async def _serve(
     stop_event: threading.Event,
 ) -> None:
     pages = Server(console, door, clock.now_ns, teller.say)
-    config = uvicorn.Config(
-        pages.app,
-        log_config=None,
-        log_level=logging.ERROR,
-        access_log=False,
-        server_header=False,
-        ws="websockets-sansio",
-        ws_max_size=MAX_BYTES,
-        ws_per_message_deflate=False,
-        timeout_graceful_shutdown=CLOSING_TIME,
-        ssl_certfile=f"{tls}/cert.pem" if tls else None,
-        ssl_keyfile=f"{tls}/key.pem" if tls else None,
-    )
-    server = _Unsignalled(config)
+    server = _Unsignalled(web_config(pages.app, tls))
     serving = asyncio.create_task(server.serve(sockets=[bound]))
     while not stop_event.is_set() and not serving.done():
         await asyncio.wait([serving], timeout=LOOK_EVERY)
@@ -148,6 +134,8 @@ def _check_reach(options: ConsoleOptions, host: str) -> None:
             f"--listen {options.listen}: beyond this host a console needs --token WORD and --tls DIR, "
             "or whoever reaches it can move the robot"
         )
+    if len(options.token) < LEAST_TOKEN:
+        raise InputError(f"--token: beyond this host a token has {LEAST_TOKEN} characters or more")
 
 
 @contextmanager

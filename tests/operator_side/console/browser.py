@@ -30,15 +30,16 @@ VIRTUAL = {"Escape": 27}
 class Browser:
     """Args:
     width, height: of the page (px).
+    flags: further ones.
     """
 
-    def __init__(self, width=1280, height=720):
+    def __init__(self, width=1280, height=720, flags=()):
         (port,) = free_ports(1)
         self._url = f"http://127.0.0.1:{port}"
         self._driver = subprocess.Popen(
             [DRIVER, f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
-        options = {"binary": CHROMIUM, "args": [*FLAGS, f"--window-size={width},{height}"]}
+        options = {"binary": CHROMIUM, "args": [*FLAGS, *flags, f"--window-size={width},{height}"]}
         wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
         pause = threading.Event()
         for _ in range(100):

@@ -13,6 +13,7 @@ from farhand.common.timing.clock import to_ns
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.server import STATIC, Door, Server, build_of
 from farhand.operator_side.console.sight import FROZEN_AFTER, GONE_AFTER
+from farhand.operator_side.console.web import web_config
 from tests.operator_side.console.browser import CHROMIUM, DRIVER, Browser
 from tests.operator_side.console.operator import Operator
 from tests.operator_side.console.wire import Wire
@@ -40,8 +41,7 @@ class Desk:
         door = Door(hosts=frozenset({host}), build=build_of())
         self.console = Console("r", self.operator, 5)
         server = Server(self.console, door, self.operator.clock.now_ns, lambda line: None)
-        config = uvicorn.Config(server.app, log_config=None, ws="websockets-sansio", ws_max_size=4096)
-        self.server, self.url = uvicorn.Server(config), f"http://{host}/"
+        self.server, self.url = uvicorn.Server(web_config(server.app)), f"http://{host}/"
         serve = self.server.serve(sockets=[self.bound])
         self.thread = threading.Thread(target=lambda: asyncio.run(serve), daemon=True)
         self.thread.start()
