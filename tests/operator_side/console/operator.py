@@ -17,6 +17,7 @@ class Operator:
         self.told_ns = []
         self.state, self.silent, self.camera = {}, False, False
         self.decoder = Decoder(Steering)
+        self.obstacles = (Obstacle("ball", (0.5, 0.0, 0.3), 0.07),)
 
     def send(self, packet):
         assert packet.key == steering_key("r")
@@ -30,7 +31,7 @@ class Operator:
         found = {
             report_key("r"): report(self.seq),
             mirror_key("r", "state"): state(self.seq, **self.state),
-            mirror_key("r", "scene"): scene(1, Obstacle("ball", (0.5, 0.0, 0.3), 0.07)),
+            mirror_key("r", "scene"): scene(self.seq, *self.obstacles),
             mirror_key("r", "description"): description(1, model="ur5"),
             mirror_key("r", "command"): command(self.seq, plan=((0.1, 0.0, 0.0),)),
         }
