@@ -31,6 +31,7 @@ from farhand.robot_side.arm.catalogue import ARMS, data_folder
 
 LOOK_EVERY = 0.2
 LEAST_TOKEN = 8
+BACKLOG = 128
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -145,6 +146,9 @@ def _bound(host: str, port: int) -> Iterator[socket.socket]:
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             bound.bind((host, port))
+            bound.listen(
+                BACKLOG
+            )  # before the address is told: whoever comes at once waits, and is not refused
         except OSError as error:
             raise EndpointError(f"--listen {host}:{port}: {error.strerror}; choose another port") from None
         yield bound
