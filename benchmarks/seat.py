@@ -172,7 +172,7 @@ def browser(count: int) -> dict[str, Any]:
 
 
 def late(times: int, seconds: float) -> dict[str, Any]:
-    """99 % quantiles of how late the robot's loop and the controller's ticks are, without and with a console and a recorder."""
+    """p99 of how late robot loop and controller ticks are, without and with console and recorder."""
     found: dict[str, list[dict[str, float]]] = {"without": [], "with": []}
     for _ in range(times):
         for name, console in (("without", False), ("with", True)):
