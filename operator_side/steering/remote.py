@@ -1,7 +1,7 @@
 """A hand at another program of this host: the console in a browser, a gamepad, a bridge. Hold-to-run is enforced here.
 
-Whatever that program does, the robot is moved only while its newest message is in order, was not held up under way, came
-less than 0.15 s ago, is of the one who has the wheel, and of a press that nothing has ended since.
+Whatever that program does, the robot is moved only while its newest message is in order, was not held up under way,
+came less than 0.15 s ago, is of the one who has the wheel, and of a press that nothing has ended since.
 """
 
 from typing import Any, ClassVar

@@ -72,7 +72,7 @@ def test_a_press_moves_and_its_release_does_not():
 
 
 def test_what_was_held_up_presses_nothing_and_still_stops():
-    hand = Hand().says(take=True).after(20).says(late=160, **pressed())
+    hand = Hand().after(1000).says(take=True).after(20).says(late=160, **pressed())
     assert not hand.wants().engaged
     hand.after(20).says(late=160, acknowledge=True)
     assert not hand.wants(mode="stopped", reason="fault").acknowledge
