@@ -126,14 +126,15 @@ def test_a_caller_with_the_token_drives_and_strangers_that_only_connect_do_not_k
 
 @pytest.mark.realtime
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs Debian's packages chromium and chromium-driver")
-def test_a_page_over_tls_drives(console):
-    browser = Browser(flags=["--ignore-certificate-errors"])
+def test_a_page_over_tls_and_without_webgl_drives(console):
+    browser = Browser(flags=["--ignore-certificate-errors", "--disable-3d-apis"])
     try:
         browser.open(f"https://{console.host}/#{TOKEN.replace(' ', '%20')}")
         for _ in range(200):
             if browser.text("driver") == "you drive" and browser.text("pill").lower() == "ready":
                 break
             console.stop.wait(0.05)
+        assert browser.run("return document.createElement('canvas').getContext('webgl2')") is None
         began = len(console.operator.told)
         for _ in range(8):
             browser.key("KeyW")
