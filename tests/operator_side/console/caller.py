@@ -43,15 +43,10 @@ class Caller:
                 return told
         raise AssertionError(f"no {kind} of which it holds")
 
-    def steer(self, now_ns, engaged=False, press=0):
+    def steer(self, now_ns, engaged=False, press=0, linear=(0.0, 1.0, 0.0)):
         self.began_ns = now_ns if self.began_ns is None else self.began_ns
-        self.says(
-            kind="steer",
-            t=(now_ns - self.began_ns) / 1e6,
-            engaged=engaged,
-            press=press,
-            linear=(0.0, 1.0, 0.0),
-        )
+        t = (now_ns - self.began_ns) / 1e6
+        self.says(kind="steer", t=t, engaged=engaged, press=press, linear=linear)
 
     def __enter__(self):
         return self
