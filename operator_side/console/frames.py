@@ -77,7 +77,7 @@ def frame(
         "stopping": now.stopping,
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
         "counts": seat.counts(number, now_ns),
-        "late": page is not None and page.late,
+        "late": seat.strays(number, now_ns),
         "networks": _network(network, changeable=number == seat.driver) if network is not None else None,
     }
 

@@ -20,6 +20,8 @@ what was held up since the page came moves nothing when it comes all at once."""
 SLEPT_NS, WAKES_NS = 1_000_000_000, 300_000_000
 """A page that said nothing for the first was asleep; for the second nothing of it counts: what was pressed meanwhile is
 old, whatever the page makes of it."""
+STRAYS_NS = 1_000_000_000
+"""Who is late all the while for so long is not late by chance."""
 SEEN_NS = 500_000_000
 """Whoever steers has seen a frame that is not older than this."""
 ESTOP_FOR_NS = 1_000_000_000
@@ -37,7 +39,8 @@ class Page:
         heard_ns: when it said anything.
         latch: of its hand.
         asks: whether it asks for the wheel that another one has.
-        late: whether its newest message came too late to count.
+        late: whether its newest message came too late to count, and `late_ns` since when all of them did.
+        blind: whether it steers without having seen a new frame.
         order: number of the newest message.
         steer: the newest of its kind, which came at `steered_ns`.
         fastest_ns: least difference between this clock and the page's of all messages: the time under way, but for a
@@ -52,6 +55,8 @@ class Page:
     latch: Latch = field(default_factory=Latch)
     asks: bool = False
     late: bool = False
+    late_ns: int = 0
+    blind: bool = False
     order: int = -1
     steer: Steer | None = None
     fastest_ns: int | None = None
@@ -127,7 +132,14 @@ class Seat:
     def counts(self, number: int, now_ns: int) -> bool:
         """Whether a press of this page would count now: it is heard, in time."""
         page = self.pages.get(number)
-        return page is not None and page.steer is not None and not page.late and now_ns >= page.settles_ns
+        if page is None or page.steer is None or page.late or page.blind:
+            return False
+        return now_ns >= page.settles_ns
+
+    def strays(self, number: int, now_ns: int) -> bool:
+        """Whether a page's clock is not what it was, as after a long sleep: it had better begin anew."""
+        page = self.pages.get(number)
+        return page is not None and page.late and now_ns - page.late_ns > STRAYS_NS
 
     def wish(self, now_ns: int) -> Wish:
         """What is wanted at `now_ns`; buttons that are pressed once are in one wish only."""
@@ -160,7 +172,10 @@ class Seat:
         )
 
     def _steer(self, number: int, page: Page, said: Steer, now_ns: int) -> None:
-        page.late = _is_late(page, said, now_ns)
+        late = _is_late(page, said, now_ns)
+        page.late_ns = page.late_ns if late and page.late else now_ns
+        page.late = late
+        page.blind = said.seen is not None and now_ns - said.seen * 1_000_000 > SEEN_NS
         held = page.latch.holds(now_ns)
         page.steer = said
         counts = number == self.driver and self.counts(number, now_ns)
@@ -210,5 +225,4 @@ def _is_late(page: Page, said: Steer, now_ns: int) -> bool:
         page.settles_ns = now_ns + WAKES_NS
     page.steered_ns = now_ns
     page.fastest_ns = took_ns if page.fastest_ns is None else min(page.fastest_ns, took_ns)
-    unseen = said.seen is not None and now_ns - said.seen * 1_000_000 > SEEN_NS
-    return took_ns - page.fastest_ns > LATE_NS or unseen
+    return took_ns - page.fastest_ns > LATE_NS

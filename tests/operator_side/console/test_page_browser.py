@@ -83,6 +83,9 @@ class Desk:
                     return self
                 self.pause.wait(0.005)
             let_go()
+            if self.console.seat.driver == 0:
+                self.browser.click("#seat")  # a page that was not heard for long drives no more
+                self.until(self.counts, "it drives again")
         raise AssertionError(f"no press engages: {self.browser.text('sentence')}")
 
     def sits(self):

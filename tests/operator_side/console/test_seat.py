@@ -173,3 +173,15 @@ def test_the_driver_alone_changes_the_network():
     assert pages.seat.change is None
     pages.seat.hear(1, CutNetwork(100, 2.0), pages.now)
     assert pages.seat.change == CutNetwork(100, 2.0)
+
+
+def test_a_page_that_is_late_once_stays_and_one_whose_clock_was_asleep_is_to_begin_anew():
+    pages = driving()
+    pages.steers(1, False, 1, late=400)
+    assert not pages.seat.strays(1, pages.now)
+    for _ in range(60):
+        pages.after(20)
+        pages.steers(1, False, 1, late=400)
+    assert pages.seat.strays(1, pages.now)
+    pages.steers(1, False, 1)
+    assert not pages.seat.strays(1, pages.now)
