@@ -282,6 +282,14 @@ class _System:
             self._held = False
             self._steer()
 
+    def begin_anew(self) -> None:
+        """After a stop that an overloaded machine had the robot latch, or a wheel that it lost."""
+        assert self._caller is not None
+        with self._lock:
+            self._caller.says(kind="do", what="take")
+            self._caller.says(kind="do", what="acknowledge")
+        self.rest(1.0)
+
     def moves(self, began_ns: int, patience: float = 2.0) -> int:
         """When the first command with a velocity came after an instant."""
         while self.clock.now_ns() < began_ns + to_ns(patience):
