@@ -60,6 +60,7 @@ class Desk:
         return bool(self.operator.told) and self.operator.told[-1].engaged
 
     def sits_down(self):
+        self.browser.cdp("Page.bringToFront")  # a gamepad is a matter of who has the focus
         self.browser.open(self.url)
         self.until(lambda: self.browser.text("driver") == "you drive", "the page drives")
         self.until(self.counts, "what the page says counts")
@@ -142,6 +143,7 @@ def desk(shared, request):
 def close_the_page(desk):
     desk.browser.close_tab()
     desk.browser.go_to(desk.browser.tabs[0])
+    desk.browser.cdp("Page.bringToFront")
 
 
 def show_another_tab(desk):
