@@ -85,6 +85,7 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
             specs = [self._changed(each.spec_for(self.robot), each.name) for each in directions]
             for direction, spec in zip(directions, specs, strict=True):
                 direction.set_spec(spec, self.robot)
+        node.changes += 1
 
     def _changed(self, spec: Spec, direction: str) -> Spec:
         if self.do == "set":

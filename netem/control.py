@@ -39,7 +39,7 @@ def handle(node: NetemNode, payload: bytes, now_ns: int) -> bytes:
     return answer(node, payload, lambda change: change(now_ns))
 
 
-def answer(node: NetemNode, payload: bytes, apply: Callable[[Callable[[int], object]], object]) -> bytes:
+def answer(node: NetemNode, payload: bytes, apply: Callable[[Callable[[int], Any]], Any]) -> bytes:
     """The reply to a request. Never raises.
 
     Args:
@@ -52,9 +52,9 @@ def answer(node: NetemNode, payload: bytes, apply: Callable[[Callable[[int], obj
             raise InputError(f"request of {len(payload)} bytes; at most {MAX_REQUEST}")
         action = _decode(payload)
         if action is None:
-            conserved = apply(lambda _: _conserved(node))
+            conserved, left = apply(lambda now_ns: (_conserved(node), _outage_left(node, now_ns)))
             statistics = msgspec.structs.replace(look_at(node), conserved=conserved)
-            return msgspec.json.encode({"ok": True, "statistics": statistics})
+            return msgspec.json.encode({"ok": True, "statistics": statistics, "outage_left": left})
         action.check()  # reads the files that it names, which are then known to `perform`
         apply(lambda now_ns: action.perform(node, now_ns))
     except FarhandError as error:
@@ -88,6 +88,11 @@ def _conserved(node: NetemNode) -> bool:
         if sum(s.queued for s in each) != len(direction.queue) or not all(s.conserved() for s in each):
             return False
     return True
+
+
+def _outage_left(node: NetemNode, now_ns: int) -> float:
+    """For how long there is no network for anybody, in one direction at least (s)."""
+    return max(each.outage_ends_ns(now_ns) - now_ns for each in node.directions.values()) * 1e-9
 
 
 def _decode(payload: bytes) -> Action | None:

@@ -81,6 +81,10 @@ class Direction:
         for chain in (self.chain, *self.own_chains.values()):
             chain.outage(now_ns, length_ns, hold)
 
+    def outage_ends_ns(self, now_ns: int) -> int:
+        """When the last of the outages for all that run now ends; `now_ns` if none does."""
+        return max([now_ns, *(start_ns + length_ns for start_ns, length_ns, _ in self._outages)])
+
     def share(self, robot: str) -> None:
         """Take a robot back to the common network; what is queued keeps its fate."""
         chain = self.own_chains.pop(robot, None)

@@ -78,6 +78,7 @@ class NetemNode:
         down = Direction("downlink", robot_link, operator_link, emulation)
         self.directions = {"uplink": up, "downlink": down}
         self.round_trips: dict[str, RoundTrips] = {}
+        self.changes = 0
         self._both = (up, down)
         self._logs = tuple(logs)
         self.origin_ns = 0
@@ -144,6 +145,7 @@ class NetemNode:
             downlink=downlink,
             rtt=rtt.summary(),
             rtt_by_robot={name: trips.rtt.summary() for name, trips in sorted(self.round_trips.items())},
+            changes=self.changes,
             bypassed=sum(trips.bypassed for trips in self.round_trips.values()),
             conserved=self.conserved(),
         )

@@ -111,35 +111,53 @@ def refusal(why: str) -> bytes:
     return msgspec.json.encode({"ok": False, "error": why})
 
 
-def ask(
-    endpoint: str, key: str, request: object, nobody: str, timeout: float = 3.0, meeting: float = 3.0
-) -> dict[str, Any]:
-    """Send a request to a running program; its reply.
+class Asker:
+    """Asks a running program, again and again, over one session.
 
     Args:
         endpoint: where it listens.
         key: of its queryable.
-        request: what is sent as JSON.
-        nobody: what to say when nobody answers.
-        timeout: for the answer (s).
-        meeting: for the connection (s).
-
-    Raises:
-        InputError: nobody answers there, or the program refused the request.
     """
-    connected = threading.Event()
-    session = open_session([endpoint])
-    try:
-        session.info.declare_transport_events_listener(lambda _: connected.set(), history=True)
+
+    def __init__(self, endpoint: str, key: str) -> None:
+        self._key, self._connected = key, threading.Event()
+        self._session = open_session([endpoint])
+        self._session.info.declare_transport_events_listener(lambda _: self._connected.set(), history=True)
+
+    def ask(self, request: object, nobody: str, timeout: float = 3.0, meeting: float = 3.0) -> dict[str, Any]:
+        """Send a request; its reply.
+
+        Args:
+            request: what is sent as JSON.
+            nobody: what to say when nobody answers.
+            timeout: for the answer (s).
+            meeting: for the connection, where there has never been one (s).
+
+        Raises:
+            InputError: nobody answers there, or the program refused the request.
+        """
         found: dict[str, Any] | None = None
-        if connected.wait(meeting):
-            for reply in session.get(key, payload=msgspec.json.encode(request), timeout=timeout):
+        if self._connected.wait(meeting):
+            for reply in self._session.get(self._key, payload=msgspec.json.encode(request), timeout=timeout):
                 if reply.ok is not None:
                     found = msgspec.json.decode(reply.ok.payload.to_bytes())
+        if found is None:
+            raise InputError(nobody)
+        if not found.get("ok"):
+            raise InputError(str(found.get("error", "the request was refused")))
+        return found
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._session.close()  # type: ignore[no-untyped-call]
+
+
+def ask(
+    endpoint: str, key: str, request: object, nobody: str, timeout: float = 3.0, meeting: float = 3.0
+) -> dict[str, Any]:
+    """Send one request to a running program; its reply. See Asker."""
+    asker = Asker(endpoint, key)
+    try:
+        return asker.ask(request, nobody, timeout, meeting)
     finally:
-        session.close()  # type: ignore[no-untyped-call]
-    if found is None:
-        raise InputError(nobody)
-    if not found.get("ok"):
-        raise InputError(str(found.get("error", "the request was refused")))
-    return found
+        asker.close()

@@ -300,13 +300,20 @@ def console(
     robot: RobotOption = "ur5",
     token: Annotated[str, typer.Option(help="A word that a page must know to be let in.")] = "",
     tls: TlsOption = "",
+    netem: Annotated[
+        str,
+        typer.Option(
+            metavar="ENDPOINT",
+            help="The emulator's --control on this host: who drives may change the network.",
+        ),
+    ] = "",
     open_browser: Annotated[bool, typer.Option("--open", help="Open a browser here.")] = False,
 ) -> None:
     """The operator's seat in a browser: drive a robot by hand, beside a running `farhand operator --steer remote`."""
     from farhand.programs.console import ConsoleOptions, console_program
 
     options = ConsoleOptions(
-        robot=robot, connect=connect, listen=listen, token=token, tls=tls, opens=open_browser
+        robot=robot, connect=connect, listen=listen, token=token, tls=tls, netem=netem, opens=open_browser
     )
     raise typer.Exit(console_program(options))
 

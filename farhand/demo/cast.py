@@ -100,7 +100,13 @@ def cast_of(run: Run, folder: Path, left: Path, hands: Hands) -> Cast:
     ]
     if hands.browser:
         programs.append(
-            ConsoleWords(connect=report, listen=f"127.0.0.1:{page}", robot=robot, opens=hands.opens)
+            ConsoleWords(
+                connect=report,
+                listen=f"127.0.0.1:{page}",
+                robot=robot,
+                netem=control,
+                opens=hands.opens,
+            )
         )
     if run.scenario.steering.kind in SOURCES:
         device = run.scenario.steering.kind

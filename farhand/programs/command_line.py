@@ -167,6 +167,7 @@ class ConsoleWords(Words):
     robot: str = ""
     token: str = ""
     tls: str = ""
+    netem: str = ""
     opens: bool = False
 
 

@@ -1,7 +1,6 @@
 """The program `farhand console`: the operator's seat in a browser, beside a running operator's program."""
 
 import asyncio
-import logging
 import socket
 import threading
 import webbrowser
@@ -20,16 +19,19 @@ from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.tls import load_folder
+from farhand.netem.control import control_endpoint
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
-from farhand.operator_side.console.said import MAX_BYTES
 from farhand.operator_side.console.server import Door, Server, build_of
+from farhand.operator_side.console.web import web_config
+from farhand.programs.live_network import LiveNetwork
 from farhand.programs.sessions import random_session
 from farhand.robot_side.arm.catalogue import ARMS, data_folder
 
 LOOK_EVERY = 0.2
-CLOSING_TIME = 1
+LEAST_TOKEN = 8
+BACKLOG = 128
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +45,7 @@ class ConsoleOptions:
         token: what a page must know; needed beyond this host.
         tls: folder with cert.pem and key.pem, for browsers; needed beyond this host.
         opens: whether a browser is opened here.
+        netem: the emulator's live control, on this host; empty: the network cannot be changed from the page.
     """
 
     robot: str
@@ -51,6 +54,7 @@ class ConsoleOptions:
     token: str = ""
     tls: str = ""
     opens: bool = False
+    netem: str = ""
 
 
 def console_program(options: ConsoleOptions) -> int:
@@ -59,6 +63,8 @@ def console_program(options: ConsoleOptions) -> int:
     connect = local_only(options.connect, "--connect")
     host, port = _host_and_port(options.listen)
     _check_reach(options, host)
+    if options.netem:
+        control_endpoint(options.netem)
     stop_event, clock = stop_event_on_signals(), SystemClock()
     with ExitStack() as closing:
         bound = closing.enter_context(_bound(host, port))
@@ -67,7 +73,10 @@ def console_program(options: ConsoleOptions) -> int:
         link = ZenohLink(open_session([connect]), [*Picture(robot).keys, mirror_key(robot, "camera")], clock)
         closing.callback(link.close)
         PeerWatch("console", connect, link.connected, stop_event)
-        console = Console(robot, link, random_session(), _find_model)
+        network = LiveNetwork(options.netem, robot, clock.now_ns) if options.netem else None
+        if network is not None:
+            closing.callback(network.close)
+        console = Console(robot, link, random_session(), _find_model, network)
         names = {host, "localhost", "127.0.0.1"} if is_loopback(f"tcp/{options.listen}") else {host}
         door = Door(
             hosts=frozenset(f"{name}:{port}" for name in names), token=options.token, build=build_of()
@@ -90,20 +99,7 @@ async def _serve(
     stop_event: threading.Event,
 ) -> None:
     pages = Server(console, door, clock.now_ns, teller.say)
-    config = uvicorn.Config(
-        pages.app,
-        log_config=None,
-        log_level=logging.ERROR,
-        access_log=False,
-        server_header=False,
-        ws="websockets-sansio",
-        ws_max_size=MAX_BYTES,
-        ws_per_message_deflate=False,
-        timeout_graceful_shutdown=CLOSING_TIME,
-        ssl_certfile=f"{tls}/cert.pem" if tls else None,
-        ssl_keyfile=f"{tls}/key.pem" if tls else None,
-    )
-    server = _Unsignalled(config)
+    server = _Unsignalled(web_config(pages.app, tls))
     serving = asyncio.create_task(server.serve(sockets=[bound]))
     while not stop_event.is_set() and not serving.done():
         await asyncio.wait([serving], timeout=LOOK_EVERY)
@@ -139,6 +135,8 @@ def _check_reach(options: ConsoleOptions, host: str) -> None:
             f"--listen {options.listen}: beyond this host a console needs --token WORD and --tls DIR, "
             "or whoever reaches it can move the robot"
         )
+    if len(options.token) < LEAST_TOKEN:
+        raise InputError(f"--token: beyond this host a token has {LEAST_TOKEN} characters or more")
 
 
 @contextmanager
@@ -148,6 +146,9 @@ def _bound(host: str, port: int) -> Iterator[socket.socket]:
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             bound.bind((host, port))
+            bound.listen(
+                BACKLOG
+            )  # before the address is told: whoever comes at once waits, and is not refused
         except OSError as error:
             raise EndpointError(f"--listen {host}:{port}: {error.strerror}; choose another port") from None
         yield bound

@@ -102,6 +102,9 @@ def _lost(netem: NetemCounts | None) -> str:
     ways = [f"{label} {_lost_of(way)}" for label, way in (("up", netem.uplink), ("down", netem.downlink))]
     if netem.overflowed or netem.send_errors:
         ways.append(f"in the emulator itself {netem.overflowed + netem.send_errors}")
+    if netem.changes:
+        times = "once" if netem.changes == 1 else f"{netem.changes} times"
+        ways.append(f"while the network was changed {times}")
     return ", ".join(ways)
 
 

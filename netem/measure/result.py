@@ -90,6 +90,7 @@ class NetemCounts(msgspec.Struct, frozen=True, kw_only=True):
         overflowed: messages lost before the emulator could take them.
         send_errors: messages that could not be sent.
         local: messages that came from the emulator itself.
+        changes: how often live control or a timeline changed the network.
         tc: the kernel's counts, where it emulated.
     """
 
@@ -100,6 +101,7 @@ class NetemCounts(msgspec.Struct, frozen=True, kw_only=True):
     overflowed: int = 0
     send_errors: int = 0
     local: int = 0
+    changes: int = 0
     tc: list[KernelCounts] = msgspec.field(default_factory=list)
 
 

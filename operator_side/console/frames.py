@@ -7,9 +7,10 @@ import msgspec
 
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
+from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.picture import NEVER, Picture
 from farhand.operator_side.console.seat import Seat
-from farhand.operator_side.console.status import Situation, lost, reasons
+from farhand.operator_side.console.status import Situation, reasons, unheard
 
 
 def _words(text: str) -> tuple[str, ...]:
@@ -25,8 +26,10 @@ _REPORT = _words(
 )
 
 
-def situation(picture: Picture, seat: Seat, now_ns: int) -> Situation:
-    """What the status is made from."""
+def situation(
+    picture: Picture, seat: Seat, now_ns: int, *, outage: bool, frozen: float, was_lost: float
+) -> Situation:
+    """What the status is made from; for the last three see there."""
     report_age, state_age = picture.ages(now_ns)
     driver = seat.pages.get(seat.driver)
     return Situation(
@@ -37,22 +40,32 @@ def situation(picture: Picture, seat: Seat, now_ns: int) -> Situation:
         driver.name if driver is not None else "",
         seat.holds(now_ns),
         seat.stopping,
+        outage,
+        frozen,
+        was_lost,
     )
 
 
-def frame(picture: Picture, seat: Seat, number: int, now_ns: int) -> dict[str, Any]:
+def frame(
+    picture: Picture,
+    seat: Seat,
+    now: Situation,
+    network: NetworkTold | None,
+    number: int,
+    now_ns: int,
+) -> dict[str, Any]:
     """What page `number` is told of one instant."""
-    now = situation(picture, seat, now_ns)
     state, report = picture.state, picture.report
     page = seat.pages.get(number)
     return {
         "kind": "frame",
+        "stamp": now_ns // 1_000_000,
         "state": {name: getattr(state, name) for name in _STATE} if state is not None else None,
         "guard": msgspec.to_builtins(state.guard) if state is not None and state.guard else None,
         "report": {name: getattr(report, name) for name in _REPORT} if report is not None else None,
         "age": _age(now.state_age),
         "report_age": _age(now.report_age),
-        "path": picture.path if not lost(now) else [],
+        "path": picture.path if not unheard(now) else [],
         "reasons": [asdict(reason) for reason in reasons(now)],
         "locked": seat.locked,
         "you": number,
@@ -63,7 +76,9 @@ def frame(picture: Picture, seat: Seat, number: int, now_ns: int) -> dict[str, A
         "holds": now.holds,
         "stopping": now.stopping,
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
-        "late": page is not None and page.late,
+        "counts": seat.counts(number, now_ns),
+        "late": seat.strays(number, now_ns),
+        "networks": _network(network, changeable=number == seat.driver) if network is not None else None,
     }
 
 
@@ -91,6 +106,10 @@ def robot_told(robot: RobotDescription) -> dict[str, Any]:
 def _obstacle(found: dict[str, Any]) -> dict[str, Any]:
     """With all that is left out on the wire where it is a default."""
     return {"orientation": (1.0, 0.0, 0.0, 0.0), "velocity": (0.0, 0.0, 0.0)} | found
+
+
+def _network(network: NetworkTold, *, changeable: bool) -> dict[str, Any]:
+    return {**asdict(network), "name": network.name, "changeable": changeable}
 
 
 def _age(seconds: float) -> float | None:

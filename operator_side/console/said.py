@@ -43,6 +43,7 @@ class Steer(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", t
         linear, angular: shares -1..1, along the axes of `frame`.
         view: orientation of the view in base (w, x, y, z).
         scale: what both are multiplied by.
+        seen: the `stamp` of the newest frame that the page has; None: not said.
     """
 
     n: Number
@@ -54,6 +55,7 @@ class Steer(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", t
     frame: Frame = "base"
     view: tuple[Unit, Unit, Unit, Unit] = (1.0, 0.0, 0.0, 0.0)
     scale: Share = 1.0
+    seen: Number | None = None
 
 
 class Do(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag="do"):
@@ -74,7 +76,33 @@ class Pictured(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind"
     """A camera's picture has come; only then is the next one sent, so that none waits on the way to a slow page."""
 
 
-Said = Hello | Steer | Do | Pictured
+class ChooseNetwork(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag="network"):
+    """Change the emulated network.
+
+    Attributes:
+        n: as in Steer.
+        name: one of those that are offered.
+    """
+
+    n: Number
+    name: Annotated[str, Meta(max_length=256)]
+
+
+class CutNetwork(Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind", tag="outage"):
+    """Have no network for a while.
+
+    Attributes:
+        n: as in Steer.
+        seconds: how long (s).
+    """
+
+    n: Number
+    seconds: Annotated[float, Meta(ge=1, le=5)]
+
+
+Ordered = Steer | Do | ChooseNetwork | CutNetwork
+"""What counts in its order only."""
+Said = Hello | Steer | Do | ChooseNetwork | CutNetwork | Pictured
 _decoder: msgspec.msgpack.Decoder[Said] = msgspec.msgpack.Decoder(Said)
 
 

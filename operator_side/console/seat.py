@@ -6,7 +6,7 @@ late, twice or out of order moves nothing.
 
 from dataclasses import dataclass, field, replace
 
-from farhand.operator_side.console.said import Do, Steer
+from farhand.operator_side.console.said import ChooseNetwork, CutNetwork, Do, Ordered, Steer
 from farhand.operator_side.steering.latch import Latch
 from farhand.operator_side.steering.wish import Wish
 
@@ -14,6 +14,16 @@ GONE_AFTER_NS = 3_000_000_000
 """A driver that says nothing for so long drives no more."""
 LATE_NS = 150_000_000
 """A message that took so much longer than the fastest of its page counts as not sent."""
+SETTLED_NS = 50_000_000
+"""A page whose messages become faster by more than this was late until now, and for LATE_NS nothing of it counts: so
+what was held up since the page came moves nothing when it comes all at once."""
+SLEPT_NS, WAKES_NS = 1_000_000_000, 300_000_000
+"""A page that said nothing for the first was asleep; for the second nothing of it counts: what was pressed meanwhile is
+old, whatever the page makes of it."""
+STRAYS_NS = 1_000_000_000
+"""Who is late all the while for so long is not late by chance."""
+SEEN_NS = 500_000_000
+"""Whoever steers has seen a frame that is not older than this."""
 ESTOP_FOR_NS = 1_000_000_000
 """For so long an emergency stop is said again and again; the operator's program goes on until the robot has it."""
 RATE, BURST = 200.0, 400.0
@@ -26,8 +36,18 @@ class Page:
 
     Attributes:
         name: for people.
+        heard_ns: when it said anything.
+        latch: of its hand.
         asks: whether it asks for the wheel that another one has.
-        late: whether its newest message came too late to count.
+        late: whether its newest message came too late to count, and `late_ns` since when all of them did.
+        blind: whether it steers without having seen a new frame.
+        order: number of the newest message.
+        steer: the newest of its kind, which came at `steered_ns`.
+        fastest_ns: least difference between this clock and the page's of all messages: the time under way, but for a
+            constant. None: none has come.
+        usual_ns: the same when it became less by much for the last time.
+        settles_ns: until then nothing of it counts.
+        allowance: how many messages it may still send at once.
     """
 
     name: str
@@ -35,9 +55,14 @@ class Page:
     latch: Latch = field(default_factory=Latch)
     asks: bool = False
     late: bool = False
+    late_ns: int = 0
+    blind: bool = False
     order: int = -1
     steer: Steer | None = None
     fastest_ns: int | None = None
+    usual_ns: int = 0
+    steered_ns: int = 0
+    settles_ns: int = 0
     allowance: float = BURST
 
 
@@ -47,6 +72,7 @@ class Seat:
     driver: number of the page that drives; 0: none.
     locked: why nobody may drive now; empty: nothing is in the way.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
+    change: of the network, that the driver asked for and nobody has taken up yet.
     """
 
     def __init__(self) -> None:
@@ -54,6 +80,7 @@ class Seat:
         self.driver = 0
         self.locked = ""
         self.stopping = False
+        self.change: ChooseNetwork | CutNetwork | None = None
         self._press = 0
         self._estop_ns: int | None = None
         self._acknowledge = self._take = self._release = False
@@ -68,7 +95,7 @@ class Seat:
         if self.driver == number:
             self._free()
 
-    def hear(self, number: int, said: Steer | Do, now_ns: int) -> bool:
+    def hear(self, number: int, said: Ordered, now_ns: int) -> bool:
         """Take what a page says; False where it says too much and must go."""
         page = self.pages[number]
         page.allowance = min(BURST, page.allowance + (now_ns - page.heard_ns) * 1e-9 * RATE) - 1.0
@@ -80,6 +107,8 @@ class Seat:
         page.order = said.n
         if isinstance(said, Do):
             self._do(number, page, said, now_ns)
+        elif not isinstance(said, Steer):
+            self.change = said if number == self.driver else self.change
         else:
             self._steer(number, page, said, now_ns)
         return True
@@ -99,6 +128,18 @@ class Seat:
         """Whether the driver holds something down."""
         page = self.pages.get(self.driver)
         return page is not None and not self.locked and page.latch.holds(now_ns)
+
+    def counts(self, number: int, now_ns: int) -> bool:
+        """Whether a press of this page would count now: it is heard, in time."""
+        page = self.pages.get(number)
+        if page is None or page.steer is None or page.late or page.blind:
+            return False
+        return now_ns >= page.settles_ns
+
+    def strays(self, number: int, now_ns: int) -> bool:
+        """Whether a page's clock is not what it was, as after a long sleep: it had better begin anew."""
+        page = self.pages.get(number)
+        return page is not None and page.late and now_ns - page.late_ns > STRAYS_NS
 
     def wish(self, now_ns: int) -> Wish:
         """What is wanted at `now_ns`; buttons that are pressed once are in one wish only."""
@@ -131,13 +172,15 @@ class Seat:
         )
 
     def _steer(self, number: int, page: Page, said: Steer, now_ns: int) -> None:
-        took_ns = now_ns - round(said.t * 1e6)
-        page.fastest_ns = took_ns if page.fastest_ns is None else min(page.fastest_ns, took_ns)
-        page.late = took_ns - page.fastest_ns > LATE_NS
+        late = _is_late(page, said, now_ns)
+        page.late_ns = page.late_ns if late and page.late else now_ns
+        page.late = late
+        page.blind = said.seen is not None and now_ns - said.seen * 1_000_000 > SEEN_NS
         held = page.latch.holds(now_ns)
-        may = number == self.driver and not self.locked and not page.late and self._estop_ns is None
-        page.latch.hear(said.engaged and may, said.press, now_ns)
         page.steer = said
+        counts = number == self.driver and self.counts(number, now_ns)
+        may = counts and not self.locked and self._estop_ns is None
+        page.latch.hear(said.engaged and may, said.press, now_ns)
         if page.latch.holds(now_ns) and not held:
             self._press += 1
 
@@ -171,3 +214,15 @@ class Seat:
         if waiting:
             self._give(waiting)
             self._release = False
+
+
+def _is_late(page: Page, said: Steer, now_ns: int) -> bool:
+    """Whether a message was held up under way; notes how long this page's usually take, on no clock in common."""
+    took_ns = now_ns - round(said.t * 1e6)
+    if page.fastest_ns is None or took_ns < page.usual_ns - SETTLED_NS:
+        page.usual_ns, page.settles_ns = took_ns, now_ns + LATE_NS
+    if now_ns - page.steered_ns > SLEPT_NS:
+        page.settles_ns = now_ns + WAKES_NS
+    page.steered_ns = now_ns
+    page.fastest_ns = took_ns if page.fastest_ns is None else min(page.fastest_ns, took_ns)
+    return took_ns - page.fastest_ns > LATE_NS

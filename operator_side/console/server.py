@@ -15,15 +15,17 @@ from starlette.responses import Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from farhand.common.messages.scene import Scene
 from farhand.operator_side.console.console import Console
-from farhand.operator_side.console.frames import frame, robot_told, scene_told
+from farhand.operator_side.console.frames import robot_told, scene_told
 from farhand.operator_side.console.said import Hello, Pictured, SaidError, read_said
 
 STATIC = Path(__file__).resolve().parent / "static"
 FRAME_PERIOD, BEAT_PERIOD = 1.0 / 30.0, 0.02
 HELLO_PATIENCE = 5.0
 MOST_PAGES = 16
-REFUSED, UNREADABLE, TOO_OLD, TOO_MANY = 4003, 4007, 4001, 4008
+TOO_OLD, REFUSED, UNREADABLE, TOO_MANY, FULL = 4001, 4003, 4007, 4008, 4009
+"""Why a page must go; from 4007 on it may come again."""
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -71,7 +73,8 @@ class Server:
         self, console: Console, door: Door, now_ns: Callable[[], int], tell: Callable[[str], None]
     ) -> None:
         self._console, self._door, self._now_ns, self._tell = console, door, now_ns, tell
-        self._numbers = 0
+        self._numbers = self._greeting = 0
+        self._scene: tuple[Scene | None, bytes] = (None, b"")
         self.stopping = anyio.Event()
         routes = [
             Route("/", self._file),
@@ -118,16 +121,24 @@ class Server:
     async def _socket(self, socket: WebSocket) -> None:
         origin = urlsplit(socket.headers.get("origin", "")).netloc
         host = socket.headers.get("host", "")
-        if host not in self._door.hosts or origin != host or len(self._console.seat.pages) >= MOST_PAGES:
+        if host not in self._door.hosts or origin != host:
             await socket.close(1008)
             return
         await socket.accept()
         try:
-            if not await self._greet(socket):
-                return
-            await self._serve(socket)
+            if self._greeting + len(self._console.seat.pages) >= MOST_PAGES:
+                await socket.close(FULL, f"{MOST_PAGES} pages are open at this console already; close one")
+            elif await self._greeted(socket):
+                await self._serve(socket)
         except WebSocketDisconnect:
             pass
+
+    async def _greeted(self, socket: WebSocket) -> bool:
+        self._greeting += 1
+        try:
+            return await self._greet(socket)
+        finally:
+            self._greeting -= 1
 
     async def _greet(self, socket: WebSocket) -> bool:
         """Whether the page may stay; if not, it is told why."""
@@ -168,18 +179,27 @@ class Server:
             pass  # it is gone; whoever hears it learns so as well
 
     async def _show_all(self, socket: WebSocket, number: int) -> None:
-        told: list[object] = [None, None]
+        told: list[object] = [None, b""]
         picture = self._console.picture
         while not await self._stops_within(FRAME_PERIOD):
             if picture.description is not None and _is_new(picture.description, told[0]):
                 told[0] = picture.description
                 await _send(socket, robot_told(picture.description))
-            if picture.scene is not None and picture.scene is not told[1]:
-                told[1] = picture.scene
-                await _send(socket, scene_told(picture.scene))
+            if (scene := self._scene_told()) is not told[1]:
+                told[1] = scene
+                await socket.send_bytes(scene)
             if (shown := self._console.camera.next(number, self._now_ns())) is not None:
                 await _send(socket, shown)
-            await _send(socket, frame(picture, self._console.seat, number, self._now_ns()))
+            await _send(socket, self._console.frame(number, self._now_ns()))
+
+    def _scene_told(self) -> bytes:
+        """What pages are told of the scene, made once for all of them and only where it is another one; empty: none."""
+        known, new = self._scene[0], self._console.picture.scene
+        if new is not None and new is not known:
+            same = known is not None and (known.obstacles, known.targets) == (new.obstacles, new.targets)
+            told = self._scene[1] if same else msgspec.msgpack.encode(scene_told(new))
+            self._scene = (new, told)
+        return self._scene[1]
 
     async def _hear(self, socket: WebSocket, number: int) -> None:
         while True:
@@ -192,7 +212,8 @@ class Server:
                 await socket.close(UNREADABLE, "what this page says is no message")
                 return
             if isinstance(said, Hello):
-                continue
+                await socket.close(UNREADABLE, "a second hello")
+                return
             if isinstance(said, Pictured):
                 stays = self._console.camera.pictured(number)
             else:

@@ -7,15 +7,20 @@ from typing import Literal
 from farhand.common.geometry import norm
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
+from farhand.operator_side.console.sight import GONE_AFTER
 
 LOST_AFTER = 1.0
 """Without news for so long nobody drives (s)."""
+LATE_AFTER = 0.5
+"""Without news for so long it is not known what the robot does (s); the worst stalls of 5G are as long."""
 LESS = 0.9
 """Share of the asked speed under which it counts as slowed."""
 NOT_ENGAGED = "device not engaged"
 """What the operator's program says of a hand that it does not hear."""
 STILL = 1e-3
 """m/s"""
+
+_OUTAGE = "The outage that was asked for ends by itself. "
 
 Pill = Literal["ready", "run", "held", "slowed", "stopped", "e-stop", "link lost", "taken"]
 
@@ -41,6 +46,9 @@ class Situation:
     driver: name of the page that drives; empty: none does.
     holds: whether it holds something down.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
+    outage: whether an outage of the emulated network runs.
+    frozen: for how long the camera has shown nothing new (s); 0: it does, or there is none.
+    was_lost: for how long there had been no news, until a moment ago (s); 0: nothing of the kind.
     """
 
     report: ControlReport | None
@@ -50,16 +58,25 @@ class Situation:
     driver: str = ""
     holds: bool = False
     stopping: bool = False
+    outage: bool = False
+    frozen: float = 0.0
+    was_lost: float = 0.0
 
 
 def reasons(now: Situation) -> list[Reason]:
     """All that there is to say, what matters most first; never empty."""
-    return [*_lost(now), *_stopped(now), *_changed(now), *_waiting(now)] or [Reason("run", "As asked.")]
+    found = [*_lost(now), *_late(now), *_stopped(now)]
+    return found + ([*_changed(now), *_waiting(now)] or ([] if found else [Reason("run", "As asked.")]))
 
 
 def lost(now: Situation) -> str:
     """Why nobody may drive; empty where nothing is in the way."""
     return next((reason.what for reason in _lost(now)), "")
+
+
+def unheard(now: Situation) -> bool:
+    """Whether there is no news from the robot, or none of the operator's program."""
+    return now.report is None or now.state is None or max(now.report_age, now.state_age) > LOST_AFTER
 
 
 def _lost(now: Situation) -> Iterator[Reason]:
@@ -81,8 +98,27 @@ def _lost(now: Situation) -> Iterator[Reason]:
         yield Reason(
             "link lost",
             f"No news from the robot for {now.state_age:.1f} s. Driving is locked.",
-            "It unlocks by itself when the robot is heard again; then press anew.",
+            f"{_OUTAGE if now.outage else ''}It unlocks by itself when the robot is heard again; then press anew.",
         )
+    if now.frozen:
+        yield Reason(
+            "held",
+            f"The camera shows nothing new for {now.frozen:.1f} s. Driving is locked.",
+            f"It unlocks with the next picture, or without a camera after {GONE_AFTER:g} s; then press anew.",
+        )
+
+
+def _late(now: Situation) -> Iterator[Reason]:
+    """What is not known any more, before anything is locked."""
+    if lost(now):
+        return
+    for age, whom in ((now.report_age, "operator's program"), (now.state_age, "robot")):
+        if age > LATE_AFTER:
+            yield Reason(
+                "link lost",
+                f"Nothing from the {whom} for {age:.1f} s: what the robot does now is not known.",
+                f"{_OUTAGE if now.outage else ''}Driving locks after {LOST_AFTER:g} s.",
+            )
 
 
 def _stopped(now: Situation) -> Iterator[Reason]:
@@ -143,8 +179,12 @@ def _changed(now: Situation) -> Iterator[Reason]:
 
 
 def _waiting(now: Situation) -> Iterator[Reason]:
-    if now.holds or now.state is None or now.stopping:
+    if now.holds or now.state is None or now.stopping or lost(now) or now.state.mode in ("estop", "stopped"):
         return
+    if now.was_lost:
+        yield Reason(
+            "ready", f"Connected again after {now.was_lost:.1f} s. Nothing moves until you press anew."
+        )
     if not now.driver:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
     else:

@@ -1,10 +1,12 @@
 """A hand at another program of this host: the console in a browser, a gamepad, a bridge. Hold-to-run is enforced here.
 
-Whatever that program does, the robot is moved only while its newest message is in order, not older than 0.15 s by its
-arrival, from the one who has the wheel, and of a press that nothing has ended since.
+Whatever that program does, the robot is moved only while its newest message is in order, was not held up under way,
+came less than 0.15 s ago, is of the one who has the wheel, and of a press that nothing has ended since.
 """
 
 from typing import Any, ClassVar
+
+import msgspec
 
 from farhand.common.geometry import norm
 from farhand.common.link.link import Link
@@ -19,6 +21,8 @@ from farhand.operator_side.steering.wheel import Wheel
 
 ESTOP_AT_LEAST_NS = 1_000_000_000
 """An emergency stop is sent for at least this long: the state that shows one may be of an earlier one."""
+LATE_NS = 150_000_000
+"""A message that took so much longer than the fastest of its program presses nothing; it still stops and lets go."""
 _LATCHED = ("stopped", "estop")
 
 
@@ -49,6 +53,9 @@ class Remote(SteeringDevice):
         self._decoder = Decoder(Steering)
         self._newest: Steering | None = None  # of who has the wheel
         self._seqs: dict[int, int] = {}  # newest of each session, the last few
+        self._fastest: dict[
+            int, int
+        ] = {}  # of each session, the least time under way, but for a constant (ns)
         self._estop_ns: int | None = None  # when one that the robot has not latched yet was asked for
         self._clears: tuple[str, int] | None = None  # the stop that is being acknowledged
 
@@ -61,7 +68,7 @@ class Remote(SteeringDevice):
         for packet in self.link.receive() if self.link is not None else ():
             steering = self._decoder.decode(packet.payload)
             if steering is not None and self._in_order(steering):
-                self._hear(steering, packet.arrived_ns, view.state)
+                self._hear(self._in_time(steering, packet.arrived_ns), packet.arrived_ns, view.state)
         state = view.state
         if state.mode in _LATCHED:
             self.latch.disarm()
@@ -88,8 +95,19 @@ class Remote(SteeringDevice):
             return False
         self._seqs[steering.session] = steering.seq
         while len(self._seqs) > 16:
-            del self._seqs[next(iter(self._seqs))]
+            oldest = next(iter(self._seqs))
+            del self._seqs[oldest]
+            self._fastest.pop(oldest, None)
         return True
+
+    def _in_time(self, steering: Steering, arrived_ns: int) -> Steering:
+        """The message; without its press, where it was held up, as while this program was frozen: that is old."""
+        took_ns = arrived_ns - steering.t_sent_ns
+        fastest_ns = min(took_ns, self._fastest.get(steering.session, took_ns))
+        self._fastest[steering.session] = fastest_ns
+        if took_ns - fastest_ns <= LATE_NS:
+            return steering
+        return msgspec.structs.replace(steering, engaged=False, acknowledge=False, take=False)
 
     def _hear(self, steering: Steering, now_ns: int, state: RobotState) -> None:
         if steering.estop:

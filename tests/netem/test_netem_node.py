@@ -230,6 +230,10 @@ def test_live_control_changes_what_it_is_asked_to():
     ask(rig, {"do": "set", "spec": "constant:5", "direction": "downlink"})
     assert specs(rig) == {"uplink": "loss:1%", "downlink": "constant:5"}
     assert ask(rig, {"do": "reset"})["specs"] == {"uplink": "gaussian:50,20", "downlink": "none"}
+    assert rig.node.statistics().changes == 4
+    assert ask(rig, {"do": "show"})["outage_left"] == 0.0
+    ask(rig, {"do": "outage", "length": 2.0, "direction": "downlink"})
+    assert ask(rig, {"do": "show"})["outage_left"] == 2.0
 
 
 @pytest.mark.parametrize(

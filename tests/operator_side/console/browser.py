@@ -7,6 +7,7 @@ import signal
 import subprocess
 import threading
 import urllib.request
+from contextlib import contextmanager
 
 import psutil
 
@@ -29,15 +30,16 @@ VIRTUAL = {"Escape": 27}
 class Browser:
     """Args:
     width, height: of the page (px).
+    flags: further ones.
     """
 
-    def __init__(self, width=1280, height=720):
+    def __init__(self, width=1280, height=720, flags=()):
         (port,) = free_ports(1)
         self._url = f"http://127.0.0.1:{port}"
         self._driver = subprocess.Popen(
             [DRIVER, f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
-        options = {"binary": CHROMIUM, "args": [*FLAGS, f"--window-size={width},{height}"]}
+        options = {"binary": CHROMIUM, "args": [*FLAGS, *flags, f"--window-size={width},{height}"]}
         wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
         pause = threading.Event()
         for _ in range(100):
@@ -88,10 +90,34 @@ class Browser:
             autoRepeat=repeat,
         )
 
-    def new_tab(self):
+    @contextmanager
+    def later(self, code):
+        """A key that goes down while the browser may be frozen, and up at the end."""
+        thread = threading.Thread(target=self.key, args=(code,), daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            thread.join(20)
+            self.key(code, down=False)
+
+    def hang(self, seconds):
+        """Keep the page's own thread busy, without waiting for it."""
+        self.run(
+            f"setTimeout(() => {{const t = performance.now(); while (performance.now() - t < {seconds * 1e3});}}, 0)"
+        )
+
+    def new_tab(self, in_front=True):
+        """Another tab, which is gone to if it is in front."""
+        before = self.tab
         handle = self.post("window/new", type="tab")["handle"]
-        self.post("window", handle=handle)
+        self.post("window", handle=handle if in_front else before)
+        self.cdp("Page.bringToFront")
         return handle
+
+    @property
+    def tabs(self):
+        return self._ask("GET", f"/session/{self._session}/window/handles")
 
     @property
     def tab(self):

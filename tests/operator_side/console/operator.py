@@ -16,8 +16,9 @@ class Operator:
     def __init__(self):
         self.clock, self.told, self.seq = SystemClock(), [], 0
         self.told_ns = []
-        self.state, self.silent, self.pictures = {}, False, []
+        self.state, self.silent, self.camera, self.pictures = {}, False, False, []
         self.decoder = Decoder(Steering)
+        self.obstacles = (Obstacle("ball", (0.5, 0.0, 0.3), 0.07),)
 
     def send(self, packet):
         assert packet.key == steering_key("r")
@@ -31,13 +32,14 @@ class Operator:
         found = {
             report_key("r"): report(self.seq),
             mirror_key("r", "state"): state(self.seq, **self.state),
-            mirror_key("r", "scene"): scene(1, Obstacle("ball", (0.5, 0.0, 0.3), 0.07)),
+            mirror_key("r", "scene"): scene(self.seq, *self.obstacles),
             mirror_key("r", "description"): description(1, model="ur5"),
             mirror_key("r", "command"): command(self.seq, plan=((0.1, 0.0, 0.0),)),
         }
         pictures, self.pictures = self.pictures, []
+        seen = [Packet(mirror_key("r", "camera"), b"", self.clock.now_ns())] if self.camera else []
         messages = [*found.items(), *((mirror_key("r", "camera"), each) for each in pictures)]
-        return [Packet(key, encode(message), self.clock.now_ns()) for key, message in messages]
+        return seen + [Packet(key, encode(message), self.clock.now_ns()) for key, message in messages]
 
 
 def frame(seq, captured_ns=0, session=ROBOT_SESSION):

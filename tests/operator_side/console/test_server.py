@@ -1,12 +1,18 @@
 """The server without a browser: who is let in, what a page sees, what reaches the operator's program."""
 
+from contextlib import ExitStack
+
 import msgspec
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
+from farhand.common.messages.scene import Obstacle
 from farhand.operator_side.console import server as module
 from farhand.operator_side.console.console import Console
+from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.server import Door, Server
 from tests.operator_side.console.operator import Operator, frame
 
@@ -19,15 +25,16 @@ def operator():
     return Operator()
 
 
+def served(operator, network=None):
+    console = Console("r", operator, 5, network=network)
+    door = Door(hosts=frozenset({HOST}), token="word", build="b1")
+    server = Server(console, door, operator.clock.now_ns, lambda line: None)
+    return TestClient(server.app, f"http://{HOST}")
+
+
 @pytest.fixture
 def client(operator):
-    said = []
-    console = Console("r", operator, 5)
-    door = Door(hosts=frozenset({HOST}), token="word", build="b1")
-    with TestClient(
-        Server(console, door, operator.clock.now_ns, said.append).app, f"http://{HOST}"
-    ) as client:
-        client.said = said
+    with served(operator) as client:
         yield client
 
 
@@ -46,6 +53,30 @@ def hear(socket, kind, holds=lambda told: True):
         if told["kind"] == kind and holds(told):
             return told
     raise AssertionError(f"no {kind} of which it holds")
+
+
+def take(socket):
+    say(socket, kind="do", n=0, what="take")
+    hear(socket, "frame", lambda told: told["driver"] == told["you"])
+
+
+almost = st.builds(
+    lambda message, cut: msgspec.msgpack.encode(message)[cut:],
+    st.fixed_dictionaries(
+        {"kind": st.sampled_from(["steer", "do", "network", "outage", "hello", "x"]), "n": st.integers(0, 9)},
+        optional={
+            "t": st.floats(),
+            "engaged": st.just(True),
+            "press": st.integers(-1, 9),
+            "linear": st.lists(st.floats(-2, 2), max_size=4),
+            "what": st.sampled_from(["release", "give", "x"]),
+            "seconds": st.floats(),
+            "name": st.text(max_size=9),
+        },
+    ),
+    st.sampled_from([0, 0, 0, 1, 7]),
+)
+"""Messages that nearly are some, or are: of a page whose first steer does not count."""
 
 
 def enter(socket):
@@ -68,7 +99,20 @@ def test_a_press_reaches_the_operator_and_the_end_of_the_page_lets_go(client, op
         hear(socket, "frame", lambda told: not told["locked"])
         say(socket, kind="do", n=1, what="take")
         hear(socket, "frame", lambda told: told["driver"] == told["you"])
-        say(socket, kind="steer", n=2, t=10.0, engaged=True, press=1, linear=(0.0, 1.0, 0.0), scale=0.6)
+        say(socket, kind="steer", n=2, t=0.0, engaged=False, press=0)
+        began = hear(socket, "frame")["stamp"]
+        told = hear(socket, "frame", lambda told: told["stamp"] > began + 350)
+        say(
+            socket,
+            kind="steer",
+            n=3,
+            t=told["stamp"] - began,
+            engaged=True,
+            press=1,
+            linear=(0.0, 1.0, 0.0),
+            scale=0.6,
+            seen=told["stamp"],
+        )
         told = hear(socket, "frame", lambda told: told["heard"] == 1)
         assert told["you"] == 1
         pressed = [each for each in operator.told if each.engaged]
@@ -138,6 +182,10 @@ def test_who_does_not_greet_properly_is_told_why(client, first, code):
         b"x" * 5000,
         msgspec.msgpack.encode({"kind": "steer", "n": 1, "t": 0.0, "engaged": True, "press": 1, "linear": [9, 0, 0]}),
         msgspec.msgpack.encode({"kind": "steer", "n": 1, "t": float("nan"), "engaged": True, "press": 1}),
+        msgspec.msgpack.encode({"kind": "network", "n": 1, "name": "x" * 300}),
+        msgspec.msgpack.encode({"kind": "outage", "n": 1, "seconds": 6.0}),
+        msgspec.msgpack.encode({"kind": "hello", "page": "b1", "token": "word"}),
+        b"\x91" * 4000,
     ],
 )  # fmt: skip
 def test_what_is_no_message_ends_a_page(client, operator, payload):
@@ -169,3 +217,107 @@ def test_a_page_over_its_socket_gets_pictures_as_it_draws_them(client, operator)
         say(socket, kind="pictured")
         told = hear(socket, "camera", lambda told: told["jpeg"])
         assert (told["jpeg"][-1], told["said"]) == (2, "")
+
+
+@settings(max_examples=25)
+@given(payloads=st.lists(st.one_of(st.binary(max_size=200), almost), min_size=1, max_size=5))
+def test_whatever_bytes_come_nothing_moves_and_the_console_lives(payloads):
+    operator = Operator()
+    with served(operator) as client:
+        with page(client) as socket:
+            enter(socket)
+            say(socket, kind="do", n=0, what="take")
+            for payload in payloads:
+                socket.send_bytes(payload)
+        with page(client) as socket:
+            enter(socket)
+            hear(socket, "frame")
+    assert not any(each.engaged for each in operator.told)
+
+
+def test_a_flood_is_ended_and_the_driver_is_heard_all_the_while(client, operator):
+    with page(client) as driver, page(client) as other:
+        enter(driver)
+        take(driver)
+        enter(other)
+        for n in range(1000):
+            say(other, kind="steer", n=n, t=0.0, engaged=True, press=n)
+        with pytest.raises(WebSocketDisconnect) as ended:
+            hear(other, "nothing")
+        assert ended.value.code == module.TOO_MANY
+        told = hear(driver, "frame", lambda told: told["watching"] == 0)
+        assert told["driver"] == told["you"]
+    assert not any(each.engaged for each in operator.told)
+
+
+def test_a_page_too_many_is_told_so_and_those_that_are_there_stay(client):
+    with ExitStack() as closing:
+        sockets = [closing.enter_context(page(client)) for _ in range(module.MOST_PAGES)]
+        for socket in sockets:
+            enter(socket)
+            hear(socket, "frame")
+        with page(client) as socket, pytest.raises(WebSocketDisconnect) as ended:
+            socket.receive_bytes()
+        assert ended.value.code == module.FULL
+        assert "close one" in ended.value.reason
+        hear(sockets[0], "frame", lambda told: told["watching"] == module.MOST_PAGES)
+
+
+def test_a_scene_of_three_hundred_obstacles_comes_once_and_frames_go_on(client, operator):
+    operator.obstacles = tuple(Obstacle(f"post-{k}", (0.5, 0.1 * k, 0.3), 0.05) for k in range(300))
+    with page(client) as socket:
+        enter(socket)
+        assert len(hear(socket, "scene")["obstacles"]) == 300
+        kinds = [msgspec.msgpack.decode(socket.receive_bytes())["kind"] for _ in range(30)]
+        assert "scene" not in kinds
+        operator.obstacles = operator.obstacles[:1]
+        assert len(hear(socket, "scene")["obstacles"]) == 1
+
+
+def test_a_second_driver_asks_and_gets_it_when_it_is_handed_over(client):
+    with page(client) as first, page(client) as second:
+        enter(first)
+        take(first)
+        enter(second)
+        say(second, kind="do", n=1, what="take")
+        told = hear(first, "frame", lambda told: told["asking"])
+        assert told["driver"] == told["you"]
+        say(first, kind="do", n=9, what="give", to=told["asking"][0][0])
+        hear(second, "frame", lambda told: told["driver"] == told["you"])
+
+
+class FakeNetwork:
+    """An emulator as it answers: what it is told counts only once it says so."""
+
+    def __init__(self):
+        self.asked, self.answer = [], NetworkTold(("none", "constant:200"), "none", "none")
+
+    def told(self):
+        return self.answer
+
+    def choose(self, name):
+        self.asked.append(name)
+
+    def cut(self, seconds):
+        self.asked.append(seconds)
+
+
+def test_who_drives_changes_the_network_and_what_is_shown_is_the_emulators_answer(operator):
+    network = FakeNetwork()
+    with served(operator, network) as client, page(client) as driver, page(client) as other:
+        enter(driver)
+        take(driver)
+        enter(other)
+        assert not hear(other, "frame", lambda told: told["driver"])["networks"]["changeable"]
+        say(other, kind="network", n=1, name="constant:200")
+        say(driver, kind="network", n=2, name="no such")
+        say(driver, kind="network", n=3, name="constant:200")
+        say(driver, kind="outage", n=4, seconds=2.0)
+        told = hear(driver, "frame", lambda told: len(network.asked) == 2)
+        assert network.asked == ["constant:200", 2.0]
+        assert (told["networks"]["name"], told["networks"]["changeable"]) == ("none", True)
+        network.answer = NetworkTold(("none",), "constant:200", "none", outage=True)
+        told = hear(driver, "frame", lambda told: told["networks"]["outage"])
+        assert told["networks"]["name"] == "constant:200 / none"
+        network.answer = None
+        hear(driver, "frame", lambda told: told["networks"] is None)

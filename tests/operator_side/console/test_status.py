@@ -3,7 +3,7 @@
 import pytest
 
 from farhand.common.messages.intervention import Intervention
-from farhand.operator_side.console.status import NOT_ENGAGED, Situation, lost, reasons
+from farhand.operator_side.console.status import NOT_ENGAGED, Situation, lost, reasons, unheard
 from farhand.testing import report, state
 
 NEAR = Intervention(
@@ -36,7 +36,11 @@ def situation(**more):
         (situation(), "ready", "Nobody drives"),
         (situation(driver="page 1"), "ready", "Hold a key"),
         (situation(driver="page 1", stopping=True), "e-stop", "not confirmed"),
+        (situation(driver="page 1", was_lost=3.2), "ready", "Connected again after 3.2 s. Nothing moves"),
         (situation(driver="page 1", holds=True), "run", "As asked"),
+        (situation(driver="page 1", holds=True, state_age=0.6), "link lost", "what the robot does now is not known"),
+        (situation(driver="page 1", frozen=1.5), "held", "nothing new for 1.5 s. Driving is locked"),
+        (situation(driver="page 1", holds=True, report_age=0.6), "link lost", "from the operator's program"),
         (situation(driver="page 1", holds=True, report=report(mode="hold", stop_reason=NOT_ENGAGED)), "held", "Let go"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "margin 24"),
@@ -46,7 +50,8 @@ def test_the_first_reason_is_the_pill(now, pill, words):
     first = reasons(now)[0]
     assert first.pill == pill
     assert words in first.what
-    assert (pill == "link lost") is bool(lost(now))
+    assert bool(lost(now)) is (unheard(now) or now.frozen > 0)
+    assert unheard(now) is (now.report is None or now.state is None or max(now.report_age, now.state_age) > 1)
     if pill not in ("run", "ready"):
         assert first.clears
 
@@ -54,3 +59,12 @@ def test_the_first_reason_is_the_pill(now, pill, words):
 def test_all_that_is_the_matter_is_listed():
     now = situation(driver="page 1", holds=True, report=SLOWED, state=state(guard=NEAR))
     assert [reason.pill for reason in reasons(now)] == ["slowed", "slowed"]
+
+
+def test_nothing_is_called_ready_while_the_link_is_lost_or_the_robot_stopped():
+    for now in (
+        situation(state_age=2.0, outage=True),
+        situation(state=state(mode="stopped", reason="fault: x")),
+    ):
+        assert "ready" not in [reason.pill for reason in reasons(now)]
+    assert "outage" in reasons(situation(state_age=2.0, outage=True))[0].clears

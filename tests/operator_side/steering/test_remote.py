@@ -31,10 +31,15 @@ class Hand:
         waiting, self.waiting = self.waiting, []
         return waiting
 
-    def says(self, session=1, seq=None, payload=None, **wish):
+    def says(self, session=1, seq=None, payload=None, late=0, **wish):
         self.seq[session] = self.seq.get(session, -1) + 1 if seq is None else seq
         message = Steering(
-            source="console", session=session, seq=self.seq[session], t_sent_ns=0, device="console", **wish
+            source="console",
+            session=session,
+            seq=self.seq[session],
+            t_sent_ns=self.now + 7 * session * MS - late * MS,
+            device="console",
+            **wish,
         )
         self.waiting.append(Packet(steering_key("r"), payload or encode(message), self.now))
         return self
@@ -64,6 +69,21 @@ def test_a_press_moves_and_its_release_does_not():
     assert hand.wants().velocity == (0.0, 0.0, 0.0)
     hand.after(20).says(**pressed())
     assert not hand.wants().engaged
+
+
+def test_what_was_held_up_presses_nothing_and_still_stops():
+    hand = Hand().after(1000).says(take=True).after(20).says(late=160, **pressed())
+    assert not hand.wants().engaged
+    hand.after(20).says(late=160, acknowledge=True)
+    assert not hand.wants(mode="stopped", reason="fault").acknowledge
+    hand.after(20).says(**pressed(press=1))  # it was pressed meanwhile
+    assert not hand.wants().engaged
+    hand.after(20).says(**pressed(press=2))
+    assert hand.wants().engaged
+    hand.after(20).says(late=160, **pressed(press=2))
+    assert not hand.wants().engaged
+    hand.after(20).says(late=500, estop=True)
+    assert hand.wants().estop
 
 
 def test_silence_lets_go_and_says_so():

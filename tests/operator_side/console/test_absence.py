@@ -1,0 +1,34 @@
+"""After an outage it is said how long there was no news, until somebody presses or for five seconds."""
+
+import pytest
+
+from farhand.operator_side.console.absence import SAID_FOR_NS, Absence
+
+S = 1_000_000_000
+
+
+def back_after_three():
+    absence = Absence()
+    for lost, at in ((True, 0), (False, 2 * S), (True, 4 * S), (False, 7 * S)):
+        absence.note(lost, at, pressed=False)
+    return absence
+
+
+def test_it_is_said_for_a_while_or_until_a_press():
+    absence = back_after_three()
+    assert absence.was_lost == pytest.approx(3.0)
+    absence.note(False, 7 * S + SAID_FOR_NS, pressed=False)
+    assert absence.was_lost
+    absence.note(False, 7 * S + SAID_FOR_NS + 1, pressed=False)
+    assert not absence.was_lost
+    absence = back_after_three()
+    absence.note(False, 8 * S, pressed=True)
+    absence.note(False, 8 * S, pressed=False)
+    assert not absence.was_lost
+
+
+def test_the_first_news_is_no_return():
+    absence = Absence()
+    absence.note(True, 0, pressed=False)
+    absence.note(False, 3 * S, pressed=False)
+    assert not absence.was_lost
