@@ -2,35 +2,54 @@
 import { element, put } from "./dom.ts";
 import { clock, type Picture } from "./told.ts";
 
-export const DIM_S = 0.5;
-export const FROZEN_S = 1.0;
+const DIM_S = 0.5;
+const FROZEN_S = 1.0;
+const SEVERAL = 2.5; // so many of a slow camera's own periods are no silence
+const SLOWEST_S = 5;
 
 export type Look = "none" | "fresh" | "dim" | "frozen";
 
-/** How a picture of an age (s) is to look, and what is said of it; null: none ever came. Knows no browser. */
-export function lookOf(age: number | null, known: boolean): { look: Look; said: string } {
-  if (age === null) return { look: "none", said: "no camera" };
-  if (age > FROZEN_S) return { look: "frozen", said: `camera frozen, ${age.toFixed(0)} s` };
-  const said = known ? `${(age * 1000).toFixed(0)} ms old` : `at least ${(age * 1000).toFixed(0)} ms old`;
+/** Ages are by now (s). */
+export interface Seen {
+  /** Since the picture was captured, at most and at least; null: not known. */
+  most: number | null;
+  least: number | null;
+  /** Since it came. */
+  silent: number;
+  /** From one picture to the next. */
+  between: number;
+}
+
+/** How a picture is to look, and what is said of it; null: none ever came. Knows no browser. */
+export function lookOf(seen: Seen | null): { look: Look; said: string } {
+  if (!seen) return { look: "none", said: "no camera" };
+  const sure = Math.max(seen.least ?? 0, seen.silent);
+  if (sure > Math.max(FROZEN_S, SEVERAL * Math.min(SLOWEST_S, seen.between)))
+    return { look: "frozen", said: `camera frozen, ${sure.toFixed(0)} s` };
+  const age = seen.most ?? sure;
+  const said = `${seen.most === null ? "at least" : "at most"} ${age < 1 ? `${(age * 1000).toFixed(0)} ms` : `${age.toFixed(1)} s`} old`;
   return { look: age > DIM_S ? "dim" : "fresh", said: `camera · ${said}` };
 }
 
 export class Camera {
-  private captured: number | null = null;
-  private known = false;
+  private picture: Picture | null = null;
+  private came = 0;
+  private between = 0;
   /** The person drives on without it, until it moves again. */
   private without = false;
 
   hear(picture: Picture, at: number): void {
-    const canvas = element<HTMLCanvasElement>("camera-picture");
     const { bitmap } = picture;
+    if (!bitmap) return; // what is said of one that is old: its age is counted here
+    const canvas = element<HTMLCanvasElement>("camera-picture");
     if (canvas.width !== bitmap.width) canvas.width = bitmap.width;
     if (canvas.height !== bitmap.height) canvas.height = bitmap.height;
     canvas.getContext("2d")?.drawImage(bitmap, 0, 0);
     bitmap.close();
-    this.known = picture.age_ms !== null;
-    this.captured = at - (picture.age_ms ?? 0);
-    if (clock() - this.captured <= FROZEN_S * 1000) this.without = false;
+    this.between = this.picture ? (at - this.came) / 1000 : 0;
+    this.picture = picture;
+    this.came = at;
+    if (this.now.look !== "frozen") this.without = false;
   }
 
   /** Drive on without it. */
@@ -40,16 +59,19 @@ export class Camera {
 
   /** Why driving is locked; empty: a camera that never was, or is done without, locks nothing. */
   get locks(): string {
-    const { look, said } = lookOf(this.age, this.known);
+    const { look, said } = this.now;
     return look === "frozen" && !this.without ? `The ${said}. Driving is locked.` : "";
   }
 
-  private get age(): number | null {
-    return this.captured === null ? null : Math.max(0, (clock() - this.captured) / 1000);
+  private get now(): { look: Look; said: string } {
+    if (!this.picture) return lookOf(null);
+    const silent = Math.max(0, (clock() - this.came) / 1000);
+    const since = (ms: number | null) => (ms === null ? null : ms / 1000 + silent);
+    return lookOf({ most: since(this.picture.most_ms), least: since(this.picture.least_ms), silent, between: this.between });
   }
 
   show(): void {
-    const { look, said } = lookOf(this.age, this.known);
+    const { look, said } = this.now;
     const pane = element("camera");
     const shown = this.without ? "none" : look;
     if (pane.dataset.look !== shown) pane.dataset.look = shown;

@@ -2,6 +2,8 @@
 import type { Vector3 } from "three";
 import type { Word } from "./world.ts";
 
+const TOP = 44; // px: what is chosen lies there
+
 type Project = (at: Vector3) => [number, number] | null;
 
 export class Labels {
@@ -10,8 +12,7 @@ export class Labels {
   constructor(private readonly parent: HTMLElement) {}
 
   show(words: Word[], project: Project): void {
-    const width = this.parent.clientWidth;
-    const height = this.parent.clientHeight;
+    const { clientWidth: width, clientHeight: height } = this.parent.parentElement ?? this.parent;
     const taken: [number, number, number, number][] = [];
     const shown = new Set<string>();
     for (const word of words) {
@@ -20,7 +21,7 @@ export class Labels {
       shown.add(word.name);
       const each = this.span(word);
       const x = Math.max(4, Math.min(width - each.width - 4, at[0] + word.dx - each.width / 2));
-      let y = Math.max(4, Math.min(height - each.height - 4, at[1] + word.dy));
+      let y = Math.max(TOP, Math.min(height - each.height - 4, at[1] + word.dy));
       for (const [left, top, right, bottom] of taken)
         if (x < right && x + each.width > left && y < bottom && y + each.height > top) y = bottom + 2;
       taken.push([x, y, x + each.width, y + each.height]);

@@ -19,6 +19,7 @@ const IDLE_MS = 400;
 const SHOW_MS = 100;
 const SILENT_MS = 500;
 const BACK_MS = 3000;
+const CUT_MS = 250;
 
 const hand = new Hand();
 const panel = new Panel();
@@ -35,6 +36,8 @@ let estopAt = -Infinity;
 let cameBack = -Infinity;
 let wasOpen = false;
 let step: Step | null = null;
+let heardAt = -Infinity;
+let cutAt = -Infinity;
 
 const wire = new Wire(BUILD, hear, (open, why) => {
   letGo();
@@ -59,9 +62,19 @@ function hear(message: Heard, at: number): void {
     if (first && !document.hidden && message.driver === 0) wire.do("take");
     if (message.locked || message.driver !== message.you) letGo();
     if (message.late && !hand.engaged) wire.again();
+    noticeCut(message);
     world.hear(message, performance.now() - (clock() - at));
     controls.rumble(message.report);
     show();
+  }
+}
+
+/** The console's watchdog lets go where this page is not heard; what is held here then counts no more, and it is said. */
+function noticeCut(message: FrameTold): void {
+  if (isHeard() || !hand.engaged || message.heard !== hand.press || message.locked) heardAt = clock();
+  else if (clock() - heardAt > CUT_MS) {
+    cutAt = clock();
+    letGo();
   }
 }
 
@@ -123,6 +136,7 @@ function reasons(): FrameTold["reasons"] {
       camera: camera.locks,
       back: clock() - cameBack < BACK_MS && !hand.engaged,
       hint: controls.said,
+      cut: clock() - cutAt < BACK_MS && !hand.engaged,
     },
     told?.reasons ?? [],
   );

@@ -60,14 +60,14 @@ export class Panel {
     const clearance = state?.clearance ?? null;
     put("clearance", clearance === null ? "–" : (clearance * 1000).toFixed(0));
     put("clearance-of", report?.binding ? `mm to ${report.binding}` : "mm to the nearest");
-    put("margin", report ? marginText(report) : "margin –");
+    put("margin", report && state ? marginText(report) : "margin –");
     const bar = element("bar");
     bar.classList.toggle("tight", clearance !== null && clearance < margin + 0.01);
     const [fill, mark] = bar.children;
     if (fill instanceof HTMLElement) fill.style.width = `${Math.max(0, Math.min(100, (100 * (clearance ?? 0)) / FULL))}%`;
     if (mark instanceof HTMLElement) mark.style.left = `${Math.min(99, (100 * margin) / FULL)}%`;
     put("speed", state ? Math.hypot(...state.velocity).toFixed(2) : "–");
-    put("asked", report ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
+    put("asked", report && state ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
     this.link(told);
     this.remember(told, margin);
   }
@@ -81,7 +81,12 @@ export class Panel {
     const name = `big word ${word}`;
     if (element("link").className !== name) element("link").className = name;
     const ms = (value: number | null | undefined) => (value == null ? "–" : (value * 1000).toFixed(0));
-    put("numbers", report ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms\nloss ${(report.loss * 100).toFixed(1)} %` : "–");
+    put(
+      "numbers",
+      report && told.state
+        ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms\nloss ${(report.loss * 100).toFixed(1)} %`
+        : "nothing heard",
+    );
   }
 
   private remember(told: FrameTold, margin: number): void {

@@ -35,12 +35,12 @@ class Latest<T extends FrameTold | Picture> {
     const [told, at] = this.newest;
     this.newest = null;
     this.out = true;
-    tell({ do: "heard", told, at }, told.kind === "picture" ? [told.bitmap] : []);
+    tell({ do: "heard", told, at }, told.kind === "picture" && told.bitmap ? [told.bitmap] : []);
   }
 }
 
 const frames = new Latest<FrameTold>(() => undefined);
-const pictures = new Latest<Picture>((picture) => picture.bitmap.close());
+const pictures = new Latest<Picture>((picture) => picture.bitmap?.close());
 
 function tell(news: News, transfer: Transferable[] = []): void {
   postMessage(news, { transfer });
@@ -62,11 +62,17 @@ function say(said: Said): void {
 }
 
 async function picture(told: CameraTold, at: number): Promise<void> {
+  const { source, captured_age_ms: most_ms, captured_age_least_ms: least_ms = null, said = "" } = told;
+  const found: Picture = { kind: "picture", bitmap: null, source, most_ms, least_ms, said };
+  if (told.jpeg.length === 0) {
+    tell({ do: "heard", told: found, at });
+    return;
+  }
   try {
-    const bitmap = await createImageBitmap(new Blob([told.jpeg as Uint8Array<ArrayBuffer>], { type: "image/jpeg" }));
-    pictures.take({ kind: "picture", bitmap, source: told.source, age_ms: told.captured_age_ms }, at);
+    found.bitmap = await createImageBitmap(new Blob([told.jpeg as Uint8Array<ArrayBuffer>], { type: "image/jpeg" }));
+    pictures.take(found, at);
   } catch {
-    // no picture: the one before grows old, and says so
+    send({ kind: "pictured" }); // no picture: the one before grows old, and says so
   }
 }
 
@@ -106,8 +112,10 @@ addEventListener("message", (event: MessageEvent<Order>) => {
     const now = performance.now();
     if (repeat.take(order.steer, now - age, now)) steer(order.steer);
   } else if (order.do === "say") say(order.said);
-  else if (order.do === "drawn") (order.what === "frame" ? frames : pictures).drawn();
-  else {
+  else if (order.do === "drawn") {
+    (order.what === "frame" ? frames : pictures).drawn();
+    if (order.what === "picture") send({ kind: "pictured" }); // only then the next one comes
+  } else {
     final ||= order.do === "leave";
     repeat.forget();
     socket?.close();

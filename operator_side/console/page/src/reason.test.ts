@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { pageReasons } from "./reason.ts";
 import type { Reason } from "./told.ts";
 
-const NOTHING = { refused: "", silent: null, camera: "", back: false, hint: "" };
+const NOTHING = { refused: "", silent: null, camera: "", back: false, hint: "", cut: false };
 const reason = (pill: string): Reason => ({ pill, what: pill, clears: "" });
 const pills = (found: Reason[]) => found.map((each) => each.pill);
 

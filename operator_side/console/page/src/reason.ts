@@ -12,6 +12,8 @@ export interface Known {
   back: boolean;
   /** What gamepad or step have to say; empty: nothing. */
   hint: string;
+  /** Whether the console let go of what is held here, because it was not heard for a moment. */
+  cut: boolean;
 }
 
 export function pageReasons(known: Known, told: Reason[]): Reason[] {
@@ -33,6 +35,7 @@ export function pageReasons(known: Known, told: Reason[]): Reason[] {
       what: known.camera,
       clears: "It unlocks by itself when the camera moves again, or drive without it; then press anew.",
     });
+  if (known.cut) own.push({ pill: "held", what: "Let go by itself: this page was not heard for a moment.", clears: "Press anew." });
   if (known.hint) own.push({ pill: "held", what: known.hint, clears: "" });
   if (known.back) own.push({ pill: "ready", what: "Connected again. Nothing moves until you press anew.", clears: "" });
   return [...worse, ...own, ...rest];

@@ -116,8 +116,12 @@ export interface RobotTold {
 
 export interface CameraTold {
   kind: "camera";
-  /** How old the picture was when it was sent; null: not known. */
+  /** How old the picture was when it was sent, at most and at least; null: not known. */
   captured_age_ms: number | null;
+  captured_age_least_ms?: number | null;
+  /** What is wrong with the pictures; empty: nothing that is known. */
+  said?: string;
+  /** Empty where there is no new one. */
   jpeg: Uint8Array;
   width: number;
   height: number;
@@ -139,12 +143,15 @@ export interface Steer {
 export type Deed = "estop" | "acknowledge" | "take" | "release" | "give";
 export type Said = { kind: "do"; what: Deed; to: number } | { kind: "network"; name: string } | { kind: "outage"; seconds: number };
 
-/** A picture that is ready to be drawn. */
+/** A camera's picture that is ready to be drawn, or what is said of it. */
 export interface Picture {
   kind: "picture";
-  bitmap: ImageBitmap;
+  /** null: no new one. */
+  bitmap: ImageBitmap | null;
   source: string;
-  age_ms: number | null;
+  most_ms: number | null;
+  least_ms: number | null;
+  said: string;
 }
 
 /** From page to worker. */

@@ -9,7 +9,8 @@ import type { World } from "./world.ts";
 type Point = [number, number];
 
 const ARROW = 0.7; // s: an arrow's length is the way of so long
-const [REACH, LOW, HIGH] = [1.0, -0.15, 1.15]; // m that are shown, as long as nothing is beyond
+const LEAST = { x: [-0.35, 0.8], y: [-0.6, 0.6], z: [-0.08, 0.85] } as const; // m that are shown, and more where something is beyond
+const MOST = 1.6; // m
 
 /** One of the two: what is to the right, what is up on the screen (axes of base), and where it lies. */
 interface Pane {
@@ -28,6 +29,8 @@ export class View2D implements View {
   private readonly pen: CanvasRenderingContext2D;
   private colours: Record<string, string> = {};
   private panes: Pane[] = [];
+  private seen: Record<"x" | "y" | "z", number[]> = { x: [...LEAST.x], y: [...LEAST.y], z: [...LEAST.z] };
+  private scenes = -1;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -77,18 +80,35 @@ export class View2D implements View {
       this.canvas.height = Math.floor(height * ratio);
       this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     }
+    this.widen();
     const beside = width > height;
     const [w, h] = beside ? [width / 2, height] : [width, height / 2];
-    const bottom = beside ? 130 : 0; // keys lie there
-    const pane = (name: string, up: "y" | "z", left: number, top: number, room: number): Pane => {
-      const [low, high] = up === "y" ? [-REACH, REACH] : [LOW, HIGH];
-      const scale = Math.min(w / (1.7 * REACH), (h - room - 50) / (high - low));
-      return { name, up, left, top, width: w, height: h, scale, middle: [left + w / 2 - 0.2 * scale, top + 46 + high * scale] };
+    const top = 64; // px: what is chosen, and the pane's name
+    const room = (up: "y" | "z") => h - top - (beside ? 130 : up === "z" ? 156 : 8); // keys or sticks lie below
+    const [x0 = 0, x1 = 1] = this.seen.x;
+    const tall = (up: "y" | "z") => (this.seen[up][1] ?? 1) - (this.seen[up][0] ?? 0);
+    const scale = Math.min((w - 24) / (x1 - x0), room("y") / tall("y"), room("z") / tall("z"));
+    const pane = (name: string, up: "y" | "z", left: number, above: number): Pane => {
+      const slack = (w - (x1 - x0) * scale) / 2;
+      const middle: Point = [left + slack - x0 * scale, above + top + (room(up) - tall(up) * scale) / 2 + (this.seen[up][1] ?? 1) * scale];
+      return { name, up, left, top: above, width: w, height: h, scale, middle };
     };
-    this.panes = [
-      pane("from above", "y", 0, 0, bottom),
-      pane("from its right side", "z", beside ? w : 0, beside ? 0 : h, beside ? bottom : 150),
-    ];
+    this.panes = [pane("from above", "y", 0, 0), pane("from its right side", "z", beside ? w : 0, beside ? 0 : h)];
+  }
+
+  /** To all that is around the robot, as far as it is near; never narrower again for the same scene, so that nothing jumps. */
+  private widen(): void {
+    const { world } = this;
+    if (this.scenes !== world.scenes) {
+      this.scenes = world.scenes;
+      this.seen = { x: [...LEAST.x], y: [...LEAST.y], z: [...LEAST.z] };
+    }
+    const things = world.things.filter((each) => each.shape.kind !== "plane").map((each) => each.position);
+    for (const at of [...things, ...world.targets, ...(world.tool ? [world.tool] : [])])
+      for (const axis of ["x", "y", "z"] as const) {
+        const [low = 0, high = 0] = this.seen[axis];
+        this.seen[axis] = [Math.max(-MOST, Math.min(low, at[axis] - 0.12)), Math.min(MOST, Math.max(high, at[axis] + 0.12))];
+      }
   }
 
   private colour(name: string): string {

@@ -81,6 +81,8 @@ export class View3D implements View {
     this.controls.minDistance = 0.5;
     this.controls.maxDistance = 4;
     this.controls.maxPolarAngle = 1.5;
+    this.line.material.depthTest = false;
+    this.line.renderOrder = 4;
     const sun = new DirectionalLight("#ffffff", 2.2);
     sun.position.set(1, -2, 3);
     this.scene.add(new AmbientLight("#ffffff", 0.5), new HemisphereLight("#ffffff", "#777788", 1.1), sun, this.grid);
@@ -140,7 +142,11 @@ export class View3D implements View {
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(1, height);
-    this.camera.fov = this.camera.aspect < 1 ? 58 : 42;
+    const upright = this.camera.aspect < 1;
+    this.camera.fov = upright ? 50 : 42;
+    if (upright)
+      this.camera.setViewOffset(width, height, 0.04 * width, 0.1 * height, width, height); // sticks lie below
+    else this.camera.clearViewOffset();
     this.camera.updateProjectionMatrix();
   }
 

@@ -49,7 +49,8 @@ export class Wire {
     if (news.do === "heard") {
       const { kind } = news.told;
       this.heard(news.told, news.at);
-      if (kind === "frame" || kind === "picture") this.order({ do: "drawn", what: kind });
+      const drawn = kind === "frame" || (news.told.kind === "picture" && news.told.bitmap !== null);
+      if (drawn) this.order({ do: "drawn", what: kind === "frame" ? "frame" : "picture" });
       return;
     }
     this.isOpen = news.open;
