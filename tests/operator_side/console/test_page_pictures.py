@@ -128,7 +128,8 @@ def test_each_state_is_said_and_nothing_is_cut_off(desk, name):
                 look(browser, width, height, theme)
                 if PICTURES:
                     take(desk, name, f"{name.replace(' ', '-')}-{size}-{theme}.png")
-                assert browser.run("return document.documentElement.dataset.theme") == theme
+                shown = "return document.documentElement.dataset.theme"
+                desk.until(lambda theme=theme: browser.run(shown) == theme, f"it is {theme}")
                 assert browser.run(CUT_OFF) == [], (size, theme)
     finally:
         browser.key("KeyW", down=False)

@@ -27,7 +27,7 @@ export class Stage {
     this.flat = new View2D(element<HTMLCanvasElement>("flat"), labels, world);
     this.deep = made(() => new View3D(element<HTMLCanvasElement>("scene"), labels, world));
     this.now = this.deep ?? this.flat;
-    this.choose(this.deep ? "3d" : "2d", this.deep ? "" : "2-D: this browser has no WebGL");
+    this.choose(this.deep ? "3d" : "2d", this.deep ? "" : "2-D, as this browser has no WebGL");
     if (!this.deep) for (const each of this.choices()) each.disabled = each.value === "3d";
     element("draw").addEventListener("change", () => {
       this.byHand = true;
@@ -70,7 +70,7 @@ export class Stage {
     this.measure(performance.now() - began, began);
     if (!this.pace.frame(ms) || this.now === this.flat) return;
     if (this.byHand) this.deep?.coarsen();
-    else this.choose("2d", `2-D: three dimensions came at ${this.pace.fps.toFixed(0)} frames a second`);
+    else this.choose("2d", `2-D, as 3-D came at ${this.pace.fps.toFixed(0)} fps`);
   }
 
   /** Frames a second, and the script's share of one (ms), for who looks. */

@@ -137,11 +137,10 @@ export class View2D implements View {
       );
     if (world.ghostSeen > 0)
       for (const hull of world.ghost.hulls())
-        this.fill(
+        this.outline(
           hull.map((at) => at2(pane, at)),
           this.colour("plan"),
-          0.42 * world.ghostSeen,
-          0,
+          world.ghostSeen,
         );
     if (world.ghostSeen > 0 && !world.ghost.isLoaded) this.ring(at2(pane, world.ghostAt), 9, this.colour("plan"));
     const target = world.targets[world.target];
@@ -222,6 +221,17 @@ export class View2D implements View {
     pen.closePath();
     if (brush > 0 && around.length > 1) this.thicken(around, brush);
     else pen.fill();
+    pen.globalAlpha = 1;
+  }
+
+  /** A body that is not there yet: its rim, and little within. */
+  private outline(points: Point[], colour: string, seen: number): void {
+    this.fill(points, colour, 0.2 * seen, 0);
+    const { pen } = this;
+    pen.globalAlpha = seen;
+    pen.strokeStyle = colour;
+    pen.lineWidth = 1.5;
+    pen.stroke(); // the path that was filled
     pen.globalAlpha = 1;
   }
 

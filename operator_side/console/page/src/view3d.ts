@@ -145,7 +145,7 @@ export class View3D implements View {
     const upright = this.camera.aspect < 1;
     this.camera.fov = upright ? 50 : 42;
     if (upright)
-      this.camera.setViewOffset(width, height, 0.04 * width, 0.1 * height, width, height); // sticks lie below
+      this.camera.setViewOffset(width, height, 0.04 * width, 0.03 * height, width, height); // sticks lie below
     else this.camera.clearViewOffset();
     this.camera.updateProjectionMatrix();
   }
