@@ -128,13 +128,21 @@ export class View2D implements View {
       0.6,
     );
     const fresh = Math.max(0.3, 1 - Math.max(0, world.age - 0.25));
-    for (const hull of world.confirmed.hulls())
+    for (const hull of world.confirmed.hulls()) {
       this.fill(
         hull.map((at) => at2(pane, at)),
         this.colour("arm"),
         fresh,
         0,
       );
+      this.rim(this.colour("ground"), 0.6);
+    }
+    this.fill(
+      hull.map((at) => at2(pane, at)),
+      this.colour("arm"),
+      fresh,
+      0,
+    );
     if (world.ghostSeen > 0)
       for (const hull of world.ghost.hulls())
         this.outline(
@@ -227,11 +235,16 @@ export class View2D implements View {
   /** A body that is not there yet: its rim, and little within. */
   private outline(points: Point[], colour: string, seen: number): void {
     this.fill(points, colour, 0.2 * seen, 0);
+    this.rim(colour, seen);
+  }
+
+  /** Around what was filled last. */
+  private rim(colour: string, alpha: number): void {
     const { pen } = this;
-    pen.globalAlpha = seen;
+    pen.globalAlpha = alpha;
     pen.strokeStyle = colour;
     pen.lineWidth = 1.5;
-    pen.stroke(); // the path that was filled
+    pen.stroke();
     pen.globalAlpha = 1;
   }
 
