@@ -60,7 +60,7 @@ export class Camera {
   /** Why driving is locked; empty: a camera that never was, or is done without, locks nothing. */
   get locks(): string {
     const { look, said } = this.now;
-    return look === "frozen" && !this.without ? `The ${said}. Driving is locked.` : "";
+    return look === "frozen" && !this.without ? `The camera has been frozen for ${said.split(", ")[1]}. Driving is locked.` : "";
   }
 
   private get now(): { look: Look; said: string } {

@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Vector3 } from "three";
+import { hull } from "./hull.ts";
 import { Thing } from "./shapes.ts";
 import type { Shape } from "./told.ts";
-import { hull } from "./view2d.ts";
 
 const S = Math.SQRT1_2;
 const CUBE: [number, number, number][] = [-1, 1].flatMap((x) =>

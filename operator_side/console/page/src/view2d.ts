@@ -1,13 +1,14 @@
 // The world from above and from the robot's right side, in two dimensions: for machines that draw three slowly or not at all.
 import { Vector3 } from "three";
+import { element } from "./dom.ts";
+import { hull, type Point } from "./hull.ts";
 import type { Labels } from "./labels.ts";
 import type { Thing } from "./shapes.ts";
 import type { Quaternion as Q } from "./told.ts";
 import { css, type View } from "./view.ts";
 import type { World } from "./world.ts";
 
-type Point = [number, number];
-
+const UPRIGHT = matchMedia("(max-width: 760px)");
 const ARROW = 0.7; // s: an arrow's length is the way of so long
 const LEAST = { x: [-0.35, 0.8], y: [-0.6, 0.6], z: [-0.08, 0.85] } as const; // m that are shown, and more where something is beyond
 const MOST = 1.6; // m
@@ -66,7 +67,7 @@ export class View2D implements View {
       pen.restore();
       pen.fillStyle = this.colour("dim");
       pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
-      pen.fillText(pane.name, pane.left + 12, pane.top + 58);
+      pen.fillText(pane.name, pane.left + 12, pane.top + (pane.top > 0 ? 22 : 62));
     }
     const side = this.panes[1];
     this.labels.show(world.words, (at) => (side ? at2(side, at) : null));
@@ -81,19 +82,28 @@ export class View2D implements View {
       this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     }
     this.widen();
-    const beside = width > height;
+    const [besides, stacked] = [this.layOut(width, height, true), this.layOut(width, height, false)];
+    this.panes = (besides[0]?.scale ?? 0) >= (stacked[0]?.scale ?? 0) ? besides : stacked;
+  }
+
+  private layOut(width: number, height: number, beside: boolean): Pane[] {
     const [w, h] = beside ? [width / 2, height] : [width, height / 2];
-    const top = 64; // px: what is chosen, and the pane's name
-    const room = (up: "y" | "z") => h - top - (beside ? 130 : up === "z" ? 156 : 8); // keys or sticks lie below
+    const covered = UPRIGHT.matches && element("camera").dataset.look !== "none";
+    const top = (up: "y" | "z") => (covered && (beside || up === "y") ? 140 : 64); // px: what is chosen, and the pane's name
+    const below = UPRIGHT.matches ? 156 : 130; // keys or sticks
+    const room = (up: "y" | "z") => h - top(up) - (beside || up === "z" ? below : 8);
     const [x0 = 0, x1 = 1] = this.seen.x;
     const tall = (up: "y" | "z") => (this.seen[up][1] ?? 1) - (this.seen[up][0] ?? 0);
-    const scale = Math.min((w - 24) / (x1 - x0), room("y") / tall("y"), room("z") / tall("z"));
+    const scale = Math.max(1, Math.min((w - 16) / (x1 - x0), room("y") / tall("y"), room("z") / tall("z")));
     const pane = (name: string, up: "y" | "z", left: number, above: number): Pane => {
       const slack = (w - (x1 - x0) * scale) / 2;
-      const middle: Point = [left + slack - x0 * scale, above + top + (room(up) - tall(up) * scale) / 2 + (this.seen[up][1] ?? 1) * scale];
+      const middle: Point = [
+        left + slack - x0 * scale,
+        above + top(up) + (room(up) - tall(up) * scale) / 2 + (this.seen[up][1] ?? 1) * scale,
+      ];
       return { name, up, left, top: above, width: w, height: h, scale, middle };
     };
-    this.panes = [pane("from above", "y", 0, 0), pane("from its right side", "z", beside ? w : 0, beside ? 0 : h)];
+    return [pane("from above", "y", 0, 0), pane("from its right side", "z", beside ? w : 0, beside ? 0 : h)];
   }
 
   /** To all that is around the robot, as far as it is near; never narrower again for the same scene, so that nothing jumps. */
@@ -137,12 +147,6 @@ export class View2D implements View {
       );
       this.rim(this.colour("ground"), 0.6);
     }
-    this.fill(
-      hull.map((at) => at2(pane, at)),
-      this.colour("arm"),
-      fresh,
-      0,
-    );
     if (world.ghostSeen > 0)
       for (const hull of world.ghost.hulls())
         this.outline(
@@ -312,23 +316,4 @@ export class View2D implements View {
 
 function at2(pane: Pane, at: Vector3): Point {
   return [pane.middle[0] + at.x * pane.scale, pane.middle[1] - at[pane.up] * pane.scale];
-}
-
-/** The convex hull, in order (Andrew's monotone chain). */
-export function hull(points: Point[]): Point[] {
-  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-  const half = (all: Point[]): Point[] => {
-    const chain: Point[] = [];
-    for (const p of all) {
-      for (;;) {
-        const [a, b] = chain.slice(-2);
-        if (!a || !b || (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) break;
-        chain.pop();
-      }
-      chain.push(p);
-    }
-    return chain.slice(0, -1);
-  };
-  const around = [...half(sorted), ...half(sorted.reverse())];
-  return around.length > 0 ? around : points.slice(0, 1);
 }
