@@ -9,6 +9,7 @@ export interface Line {
 }
 
 const ROOM = 40; // px for the newest number
+const NUMBER = 13; // px: how high one is
 
 export function chart(canvas: HTMLCanvasElement, xs: number[], most: number, lines: Line[]): void {
   const ratio = devicePixelRatio;
@@ -22,7 +23,7 @@ export function chart(canvas: HTMLCanvasElement, xs: number[], most: number, lin
   const y = (value: number) => height - 2 - (Math.max(0, Math.min(most, value)) / most) * (height - 6);
   pen.strokeStyle = css("--line");
   pen.strokeRect(0, height - 1, width - ROOM, 0);
-  const written: number[] = [];
+  const written: { text: string; colour: string; at: number }[] = [];
   for (const { values, colour, filled } of lines) {
     pen.strokeStyle = pen.fillStyle = css(colour);
     pen.lineWidth = 2.5;
@@ -35,12 +36,16 @@ export function chart(canvas: HTMLCanvasElement, xs: number[], most: number, lin
       pen.globalAlpha = 1;
     }
     const last = values.at(-1);
-    if (last === undefined || last === null) continue;
-    pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
-    let at = Math.max(12, Math.min(height - 3, y(last) + 4));
-    for (const other of written) if (Math.abs(other - at) < 14) at = other > 26 ? other - 14 : other + 14;
-    written.push(at);
-    pen.fillText(last.toFixed(0), width - ROOM + 6, at);
+    if (last !== undefined && last !== null) written.push({ text: last.toFixed(0), colour: css(colour), at: y(last) + 4 });
+  }
+  pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
+  written.sort((one, other) => one.at - other.at);
+  for (const [k, each] of written.entries()) {
+    const above = written[k - 1];
+    const lowest = height - 3 - NUMBER * (written.length - 1 - k); // as many come below
+    each.at = Math.min(lowest, Math.max(each.at, above ? above.at + NUMBER : 11));
+    pen.fillStyle = each.colour;
+    pen.fillText(each.text, width - ROOM + 6, each.at);
   }
 }
 

@@ -38,7 +38,7 @@ export class View2D implements View {
     private readonly labels: Labels,
     private readonly world: World,
   ) {
-    const pen = canvas.getContext("2d", { alpha: false });
+    const pen = canvas.getContext("2d", { alpha: false, willReadFrequently: true }); // drawn by the processor: who has a GPU draws three
     if (!pen) throw new Error("this browser draws nothing");
     this.pen = pen;
     this.theme();
