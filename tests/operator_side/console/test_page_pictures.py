@@ -106,6 +106,10 @@ def look(browser, width, height, theme):
         browser.run("document.getElementById('with-buttons').click()")
 
 
+def theme_of(browser):
+    return browser.run("return document.documentElement.dataset.theme")
+
+
 CUT_OFF = """
 const shown = [...document.querySelectorAll('header *, aside *, .pad *, .stick, .slide')].filter(e => e.offsetParent);
 return shown.filter(e => { const r = e.getBoundingClientRect();
@@ -128,8 +132,7 @@ def test_each_state_is_said_and_nothing_is_cut_off(desk, name):
                 look(browser, width, height, theme)
                 if PICTURES:
                     take(desk, name, f"{name.replace(' ', '-')}-{size}-{theme}.png")
-                shown = "return document.documentElement.dataset.theme"
-                desk.until(lambda theme=theme: browser.run(shown) == theme, f"it is {theme}")
+                desk.until(lambda theme=theme: theme_of(browser) == theme, f"it is {theme}")
                 assert browser.run(CUT_OFF) == [], (size, theme)
     finally:
         browser.key("KeyW", down=False)

@@ -182,6 +182,7 @@ function showSeat(told: FrameTold): void {
 function showStale(told: FrameTold): void {
   const why = isSilent() ? "no picture: the console is silent" : told.locked;
   element("view").classList.toggle("stale", why !== "");
+  if (isSilent()) element("read").classList.add("old");
   element("stale").hidden = !why;
   put("stale", why);
 }

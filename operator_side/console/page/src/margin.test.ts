@@ -9,6 +9,7 @@ test("an adaptive margin is its floor, what the network adds, and the lag", () =
 
 test("at the floor there is nothing to explain", () => {
   assert.equal(marginText({ inflation: 0.01, sigma: 0, margin_parts: { floor: 0.01, innovation: 0.001, spread: 0 } }), "margin 10");
+  assert.equal(marginText({ inflation: 0.01, sigma: 0, margin_parts: { floor: 0.01, innovation: 0, spread: 0, lag: 1e-5 } }), "margin 10");
 });
 
 test("the paper's margin is of delay and jitter", () => {

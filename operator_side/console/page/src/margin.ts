@@ -32,8 +32,7 @@ export function marginText(report: MarginTold): string {
   const off = sum - whole.reduce((all, [, value]) => all + value, 0);
   const most = whole.reduce((best, each) => (each[1] > best[1] ? each : best));
   most[1] += off; // what rounding took, from the largest
-  return `margin ${sum} = ${whole
-    .filter(([, value]) => value > 0)
-    .map(([word, value]) => `${value} ${word}`)
-    .join(" + ")}`;
+  const seen = whole.filter(([, value]) => value > 0);
+  if (seen.length < 2) return `margin ${sum}`;
+  return `margin ${sum} = ${seen.map(([word, value]) => `${value} ${word}`).join(" + ")}`;
 }

@@ -59,7 +59,10 @@ export class Panel {
     const margin = report ? report.inflation + report.sigma : 0;
     const clearance = state?.clearance ?? null;
     put("clearance", clearance === null ? "–" : (clearance * 1000).toFixed(0));
-    put("clearance-of", report?.binding ? `mm to ${report.binding}` : "mm to the nearest");
+    const old = told.locked !== "" && told.age !== null;
+    element("read").classList.toggle("old", told.locked !== "");
+    const of = report?.binding ? `mm to ${report.binding}` : "mm to the nearest";
+    put("clearance-of", old ? `mm, ${told.age?.toFixed(0)} s ago` : of);
     put("margin", report && state ? marginText(report) : "margin –");
     const bar = element("bar");
     bar.classList.toggle("tight", clearance !== null && clearance < margin + 0.01);
