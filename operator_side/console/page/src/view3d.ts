@@ -261,7 +261,8 @@ export class View3D implements View {
       this.shells.add(shell);
     }
     if (!(shell instanceof Mesh)) return;
-    shell.material.opacity = binds ? 0.26 : 0.1;
+    const faint = thing.shape.kind === "plane" ? 0.03 : 0.1; // as large as all the rest, and always near
+    shell.material.opacity = binds ? 0.26 : faint;
     shell.position.copy(thing.position);
     shell.quaternion.copy(thing.orientation);
   }
