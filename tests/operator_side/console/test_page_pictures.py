@@ -37,6 +37,7 @@ MARGIN = {
     "rtt_mean": 0.412,
     "rtt_std": 0.018,
     "binding": "ball",
+    "clearance": 0.051,
 }
 PLAN = tuple((0.0, 0.12 - 0.01 * k, 0.04 - 0.008 * k) for k in range(12))
 STATES = {

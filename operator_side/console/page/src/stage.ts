@@ -56,6 +56,7 @@ export class Stage {
     for (const each of this.choices()) each.checked = each.value === how;
     element("view").dataset.draw = how;
     put("draw-note", why);
+    this.deep?.coarsen(false);
     this.pace.reset();
   }
 

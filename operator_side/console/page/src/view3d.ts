@@ -131,8 +131,8 @@ export class View3D implements View {
   }
 
   /** Fewer pixels, for who wants three dimensions though they come slowly. */
-  coarsen(): void {
-    this.finest = 0.5;
+  coarsen(coarse = true): void {
+    this.finest = coarse ? 0.6 : 2;
   }
 
   private resize(): void {
