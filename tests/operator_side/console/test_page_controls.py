@@ -201,3 +201,17 @@ def test_without_webgl_it_draws_in_two_dimensions_and_says_why(desk):
         desk.browser.key("KeyW", down=False)
     finally:
         desk.browser.cdp("Page.removeScriptToEvaluateOnNewDocument", identifier=added["identifier"])
+
+
+def test_a_button_lights_up_once_the_robot_applies_what_it_asks_for(desk):
+    lit = "return document.querySelector('[data-act=forward]').className"
+    desk.operator.state = {"applied_session": 1, "applied_seq": 0}
+    desk.presses()
+    desk.until(lambda: "heard" in desk.browser.run(lit), "the console has heard it")
+    desk.operator.report = {"session": 1, "desired": (0.0, 0.1, 0.0)}
+    desk.pause.wait(0.4)
+    assert "received" not in desk.browser.run(lit)
+    desk.operator.state = {"applied_session": 1, "applied_seq": 2**40}
+    desk.until(lambda: "received" in desk.browser.run(lit), "the robot has it")
+    desk.browser.key("KeyW", down=False)
+    desk.until(lambda: "received" not in desk.browser.run(lit), "it is up")

@@ -1,4 +1,5 @@
 // Every test, bundled into one run.
+import "./arrival.test.ts";
 import "./camera.test.ts";
 import "./gamepad.test.ts";
 import "./hand.test.ts";

@@ -139,17 +139,19 @@ export class Controls {
     stick.addEventListener("contextmenu", (event) => event.preventDefault());
   }
 
-  /** Which buttons and sticks show that they are down, and that the console has heard it. */
-  light(heard: boolean): void {
+  /** Which buttons and sticks show that they are down, that the console has heard it, and that the robot does it. */
+  light(heard: boolean, received: boolean): void {
     for (const button of document.querySelectorAll<HTMLElement>("[data-act]")) {
       const down = this.hand.holds(button.dataset.act as Act);
       button.classList.toggle("down", down);
       button.classList.toggle("heard", down && heard);
+      button.classList.toggle("received", down && received);
     }
     for (const stick of document.querySelectorAll<HTMLElement>("[data-stick]")) {
       const down = this.hand.grips.has(`stick ${stick.dataset.stick}`);
       stick.classList.toggle("down", down);
       stick.classList.toggle("heard", down && heard);
+      stick.classList.toggle("received", down && received);
     }
     element("pads").classList.toggle("locked", !this.seat.mine());
   }

@@ -1,4 +1,5 @@
 // The page: keys, buttons, sticks and gamepad in, the robot out. Whatever takes the page out of a person's hands lets go.
+import { Arrival } from "./arrival.ts";
 import { Camera } from "./camera.ts";
 import { Controls } from "./controls.ts";
 import { chosen, element, label, put } from "./dom.ts";
@@ -26,6 +27,7 @@ const panel = new Panel();
 const world = new World();
 const stage = new Stage(world);
 const camera = new Camera();
+const arrival = new Arrival();
 let told: FrameTold | null = null;
 let toldAt = 0;
 let lostSince = clock();
@@ -37,6 +39,7 @@ let cameBack = -Infinity;
 let wasOpen = false;
 let step: Step | null = null;
 let heardAt = -Infinity;
+let received = false;
 let cutAt = -Infinity;
 
 const wire = new Wire(BUILD, hear, (open, why) => {
@@ -63,6 +66,7 @@ function hear(message: Heard, at: number): void {
     if (message.locked || message.driver !== message.you) letGo();
     if (message.late && !hand.engaged) wire.again();
     noticeCut(message);
+    received = arrival.received(isHeard() ? hand.press : 0, message.report, message.state);
     world.hear(message, performance.now() - (clock() - at));
     controls.rumble(message.report);
     show();
@@ -89,7 +93,7 @@ function isSilent(): boolean {
 function steer(begins: boolean): void {
   if (begins) step = chosen("mode") === "step" && told?.report ? new Step(predicted(told.report)) : null;
   tell();
-  controls.light(isHeard());
+  controls.light(isHeard(), received && isHeard());
 }
 
 function predicted(report: NonNullable<FrameTold["report"]>): Place {
@@ -147,7 +151,7 @@ function show(): void {
   shownAt = clock();
   panel.say(reasons());
   panel.show(told);
-  controls.light(isHeard());
+  controls.light(isHeard(), received && isHeard());
   networks.show(told.networks);
   element("recording").hidden = !told.recording;
   showStop(told);

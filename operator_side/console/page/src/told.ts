@@ -13,9 +13,16 @@ export interface RobotState {
   mode: "run" | "hold" | "stopped" | "estop";
   reason: string;
   clearance: number;
+  /** The command that it applies. */
+  applied_session: number;
+  applied_seq: number;
 }
 
 export interface Report {
+  /** Of the command that was sent with it. */
+  session: number;
+  seq: number;
+  mode: string;
   desired: Vector;
   filtered: Vector;
   desired_angular: Vector;
