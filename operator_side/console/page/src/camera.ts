@@ -70,12 +70,13 @@ export class Camera {
     return lookOf({ most: since(this.picture.most_ms), least: since(this.picture.least_ms), silent, between: this.between });
   }
 
-  show(): void {
+  /** The console locks as well, for a while: until then nobody can drive without it. */
+  show(locked: boolean): void {
     const { look, said } = this.now;
     const pane = element("camera");
     const shown = this.without ? "none" : look;
     if (pane.dataset.look !== shown) pane.dataset.look = shown;
     put("camera-age", this.without ? `${said} · driving without it` : said);
-    element("camera-close").hidden = shown !== "frozen";
+    element("camera-close").hidden = shown !== "frozen" || locked;
   }
 }

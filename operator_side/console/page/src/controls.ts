@@ -7,12 +7,15 @@ import type { Report } from "./told.ts";
 
 const RUMBLE_MS = 120;
 const SAID_MS = 5000;
+const OLD_MS = 250;
 
 export interface Seat {
   /** Whether this page drives, and may now. */
   mine(): boolean;
   /** Whether another press may begin beside those that are held. */
   mayBegin(): boolean;
+  /** A press came too late to count. */
+  late(): void;
   /** What is held has changed. */
   steer(begins: boolean): void;
 }
@@ -70,6 +73,10 @@ export class Controls {
     if (target instanceof HTMLSelectElement) return; // keys choose in it
     if (target instanceof HTMLInputElement && event.code.startsWith("Arrow")) return; // they move the slider
     event.preventDefault();
+    if (performance.now() - event.timeStamp > OLD_MS) {
+      if (!event.repeat) this.seat.late(); // held up, as by a sleep: nobody may press it now
+      return;
+    }
     this.press(event.code, act, event.repeat);
   }
 

@@ -49,7 +49,7 @@ const wire = new Wire(BUILD, hear, (open, why) => {
   wasOpen ||= open;
   if (!open) lostSince = toldAt || lostSince;
 });
-const controls = new Controls(hand, { mine, mayBegin: () => chosen("mode") === "hold" || !hand.engaged, steer });
+const controls = new Controls(hand, { mine, mayBegin: () => chosen("mode") === "hold" || !hand.engaged, late, steer });
 const networks = new NetworkMenu((said) => wire.say(said));
 
 function hear(message: Heard, at: number): void {
@@ -63,6 +63,7 @@ function hear(message: Heard, at: number): void {
     told = message;
     toldAt = at;
     if (first && !document.hidden && message.driver === 0) wire.do("take");
+    if (first) tell(); // presses count only some time after the first word
     if (message.locked || message.driver !== message.you) letGo();
     if (message.late && !hand.engaged) wire.again();
     noticeCut(message);
@@ -83,7 +84,7 @@ function noticeCut(message: FrameTold): void {
 }
 
 function mine(): boolean {
-  return told !== null && told.driver === told.you && !told.locked && !isSilent() && !camera.locks;
+  return told !== null && told.driver === told.you && told.counts !== false && !told.locked && !isSilent() && !camera.locks;
 }
 
 function isSilent(): boolean {
@@ -96,6 +97,10 @@ function steer(begins: boolean): void {
   controls.light(isHeard(), received && isHeard());
 }
 
+function late(): void {
+  cutAt = clock();
+}
+
 function predicted(report: NonNullable<FrameTold["report"]>): Place {
   return { position: report.predicted, orientation: report.predicted_orientation };
 }
@@ -106,7 +111,8 @@ function tell(): void {
   const axes = hand.axes(frame);
   const scale = scaleFor(axes);
   if (scale === 0) hand.letGo(); // the step is done: it holds, though the key be down
-  wire.steer({ engaged: hand.engaged, press: hand.press, ...axes, frame, view: stage.view, scale });
+  const seen = told?.stamp === undefined ? {} : { seen: told.stamp };
+  wire.steer({ engaged: hand.engaged, press: hand.press, ...axes, frame, view: stage.view, scale, ...seen });
   world.wants(hand.engaged ? axes : null, frame, scale, stage.view);
 }
 
@@ -245,7 +251,7 @@ setInterval(() => {
   controls.poll();
   if (hand.engaged && (isSilent() || camera.locks)) letGo();
   if (hand.engaged || clock() - saidAt > IDLE_MS) tell();
-  camera.show();
+  camera.show(told !== null && told.locked !== "");
   if (clock() - shownAt < SHOW_MS) return;
   shownAt = clock();
   if (told) show();

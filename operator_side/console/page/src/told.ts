@@ -83,6 +83,10 @@ export interface FrameTold {
   stopping: boolean;
   heard: number;
   late: boolean;
+  /** Of this frame; whoever steers says which one it has seen. */
+  stamp?: number;
+  /** Whether a press of this page would count now; left out by consoles that do not know. */
+  counts?: boolean;
   networks?: Networks | null;
   /** Whether a recorder writes; unknown where it is left out. */
   recording?: boolean | null;
@@ -145,6 +149,7 @@ export interface Steer {
   frame: Frame;
   view: Quaternion;
   scale: number;
+  seen?: number;
 }
 
 export type Deed = "estop" | "acknowledge" | "take" | "release" | "give";
