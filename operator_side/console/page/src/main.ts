@@ -111,8 +111,7 @@ function tell(): void {
   const axes = hand.axes(frame);
   const scale = scaleFor(axes);
   if (scale === 0) hand.letGo(); // the step is done: it holds, though the key be down
-  const seen = told?.stamp === undefined ? {} : { seen: told.stamp };
-  wire.steer({ engaged: hand.engaged, press: hand.press, ...axes, frame, view: stage.view, scale, ...seen });
+  wire.steer({ engaged: hand.engaged, press: hand.press, ...axes, frame, view: stage.view, scale });
   world.wants(hand.engaged ? axes : null, frame, scale, stage.view);
 }
 

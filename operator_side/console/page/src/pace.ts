@@ -20,9 +20,9 @@ export class Pace {
     const last = this.times.at(-1);
     if (last !== undefined && now - last > GAP_MS) this.reset();
     this.times.push(now);
-    while (this.times.length > 4 && now - (this.times[0] ?? now) > 1000) this.times.shift();
-    if (this.times.length < 4 || this.fps >= SLOW_FPS) this.slowSince = null;
-    else this.slowSince ??= now;
+    while (this.times.length > 2 && now - (this.times[0] ?? now) > 1000) this.times.shift();
+    if (this.times.length < 2 || this.fps >= SLOW_FPS) this.slowSince = null;
+    else this.slowSince ??= this.times[0] ?? now;
     return this.slowSince !== null && now - this.slowSince >= SLOW_FOR_MS;
   }
 

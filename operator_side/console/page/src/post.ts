@@ -11,6 +11,7 @@ let socket: WebSocket | null = null;
 let opening: { url: string; build: string; token: string } | null = null;
 let final = false;
 let n = 0;
+let stamp: number | undefined;
 
 /** The newest of its kind; one at a time is with the page. */
 class Latest<T extends FrameTold | Picture> {
@@ -52,7 +53,8 @@ function send(message: object): void {
 }
 
 function steer(said: Steer): void {
-  send({ kind: "steer", n: ++n, t: performance.now(), ...said });
+  const seen = stamp === undefined ? {} : { seen: stamp }; // older consoles give none, and want none
+  send({ kind: "steer", n: ++n, t: performance.now(), ...said, ...seen });
   repeat.went(performance.now());
 }
 
@@ -79,8 +81,10 @@ async function picture(told: CameraTold, at: number): Promise<void> {
 function heard(told: Told): void {
   const at = clock();
   if (told.kind === "camera") void picture(told, at);
-  else if (told.kind === "frame") frames.take(told, at);
-  else tell({ do: "heard", told, at });
+  else if (told.kind === "frame") {
+    stamp = told.stamp;
+    frames.take(told, at);
+  } else tell({ do: "heard", told, at });
 }
 
 function open(): void {
@@ -96,6 +100,7 @@ function open(): void {
   opened.onmessage = (event: MessageEvent<ArrayBuffer>) => heard(decode(event.data) as Told);
   opened.onclose = (event) => {
     repeat.forget();
+    stamp = undefined;
     final ||= event.code >= 4000 && event.code < 4007;
     tell({ do: "changed", open: false, code: event.code, why: event.code >= 4000 ? event.reason : "" });
     if (!final) setTimeout(open, AGAIN_MS);

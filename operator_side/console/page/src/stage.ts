@@ -27,7 +27,8 @@ export class Stage {
     this.flat = new View2D(element<HTMLCanvasElement>("flat"), labels, world);
     this.deep = made(() => new View3D(element<HTMLCanvasElement>("scene"), labels, world));
     this.now = this.deep ?? this.flat;
-    this.choose(this.deep ? "3d" : "2d", this.deep ? "" : "2-D, as this browser has no WebGL");
+    const why = this.deep ? (isQuick() ? "" : "2-D, as 3-D is drawn without a GPU here") : "2-D, as this browser has no WebGL";
+    this.choose(why ? "2d" : "3d", why);
     if (!this.deep) for (const each of this.choices()) each.disabled = each.value === "3d";
     element("draw").addEventListener("change", () => {
       this.byHand = true;
@@ -85,6 +86,13 @@ export class Stage {
     this.measured = now;
     this.scripted = this.frames = 0;
   }
+}
+
+/** Whether three dimensions are drawn by more than the processor. */
+function isQuick(): boolean {
+  const probe = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return probe !== null;
 }
 
 function made<T>(make: () => T): T | null {

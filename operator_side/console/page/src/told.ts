@@ -83,7 +83,7 @@ export interface FrameTold {
   stopping: boolean;
   heard: number;
   late: boolean;
-  /** Of this frame; whoever steers says which one it has seen. */
+  /** Of this frame; whoever steers says which one is its newest. */
   stamp?: number;
   /** Whether a press of this page would count now; left out by consoles that do not know. */
   counts?: boolean;
@@ -149,7 +149,6 @@ export interface Steer {
   frame: Frame;
   view: Quaternion;
   scale: number;
-  seen?: number;
 }
 
 export type Deed = "estop" | "acknowledge" | "take" | "release" | "give";
