@@ -25,12 +25,17 @@ export class Controls {
   said = "";
   private readonly pad = new Pad();
   private saidAt = 0;
+  /** Whether the page has lost its focus. */
+  private away = false;
   private rumbledAt = 0;
 
   constructor(
     private readonly hand: Hand,
     private readonly seat: Seat,
   ) {
+    addEventListener("blur", () => (this.away = true));
+    addEventListener("focus", () => (this.away = false));
+    addEventListener("pointerdown", () => (this.away = false));
     addEventListener("keydown", (event) => this.key(event));
     addEventListener("keyup", (event) => this.release(event.code));
     for (const button of document.querySelectorAll<HTMLButtonElement>("[data-act]")) this.button(button);
@@ -39,7 +44,7 @@ export class Controls {
 
   /** Read the gamepad: called often. */
   poll(): void {
-    if (document.hidden || !document.hasFocus()) {
+    if (document.hidden || this.away) {
       this.pad.forget(); // what is down when somebody looks again was pressed before
       this.release("gamepad");
       return;

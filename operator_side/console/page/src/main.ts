@@ -21,6 +21,7 @@ const SHOW_MS = 100;
 const SILENT_MS = 500;
 const BACK_MS = 3000;
 const CUT_MS = 250;
+const LATE_MS = 1500; // then its clocks are no good any more, as after a long sleep
 
 const hand = new Hand();
 const panel = new Panel();
@@ -37,6 +38,8 @@ let shownAt = 0;
 let estopAt = -Infinity;
 let cameBack = -Infinity;
 let wasOpen = false;
+let anew = true;
+let lateSince = Infinity;
 let step: Step | null = null;
 let heardAt = -Infinity;
 let received = false;
@@ -47,6 +50,8 @@ const wire = new Wire(BUILD, hear, (open, why) => {
   refused = why;
   if (open && wasOpen) cameBack = clock();
   wasOpen ||= open;
+  anew = true;
+  lateSince = clock();
   if (!open) lostSince = toldAt || lostSince;
 });
 const controls = new Controls(hand, { mine, mayBegin: () => chosen("mode") === "hold" || !hand.engaged, late, steer });
@@ -59,13 +64,16 @@ function hear(message: Heard, at: number): void {
   } else if (message.kind === "scene") world.sceneIs(message);
   else if (message.kind === "picture") camera.hear(message, at);
   else {
-    const first = told === null;
+    const first = anew;
+    anew = false;
+    const never = told === null;
     told = message;
     toldAt = at;
-    if (first && !document.hidden && message.driver === 0) wire.do("take");
+    if (never && !document.hidden && message.driver === 0) wire.do("take");
     if (first) tell(); // presses count only some time after the first word
     if (message.locked || message.driver !== message.you) letGo();
-    if (message.late && !hand.engaged) wire.again();
+    if (!message.late || hand.engaged) lateSince = at;
+    else if (at - lateSince > LATE_MS) wire.again();
     noticeCut(message);
     received = arrival.received(isHeard() ? hand.press : 0, message.report, message.state);
     world.hear(message, performance.now() - (clock() - at));
