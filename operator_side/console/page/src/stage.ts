@@ -88,11 +88,14 @@ export class Stage {
   }
 }
 
-/** Whether three dimensions are drawn by more than the processor. */
+/** Whether three dimensions are drawn by more than the processor, as far as the browser says it. */
 function isQuick(): boolean {
   const probe = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
-  probe?.getExtension("WEBGL_lose_context")?.loseContext();
-  return probe !== null;
+  if (!probe) return false;
+  const told = probe.getExtension("WEBGL_debug_renderer_info");
+  const name = told ? String(probe.getParameter(told.UNMASKED_RENDERER_WEBGL)) : "";
+  probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return !/swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
 function made<T>(make: () => T): T | null {
