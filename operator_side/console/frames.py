@@ -18,11 +18,12 @@ def _words(text: str) -> tuple[str, ...]:
 
 
 _STATE = _words(
-    "position orientation velocity joints mode reason holder_name clearance min_clearance arm_clearance"
+    """t_sample_ns position orientation velocity joints mode reason holder_name clearance min_clearance arm_clearance
+    applied_session applied_seq"""
 )
 _REPORT = _words(
-    """mode desired filtered desired_angular angular intervening predicted predicted_orientation inflation sigma
-    rtt_mean rtt_std loss binding clearance free_side stop_reason target_index target_count safety"""
+    """session seq mode desired filtered desired_angular angular intervening predicted predicted_orientation inflation
+    sigma margin_parts rtt_mean rtt_std loss binding clearance free_side stop_reason target_index target_count safety"""
 )
 
 
@@ -86,6 +87,7 @@ def scene_told(scene: Scene) -> dict[str, Any]:
     """Obstacles and targets."""
     return {
         "kind": "scene",
+        "t_sample_ns": scene.t_sample_ns,
         "obstacles": [_obstacle(msgspec.to_builtins(each)) for each in scene.obstacles],
         "targets": [list(target) for target in scene.targets],
     }

@@ -18,13 +18,13 @@ for (const name of sources) digest.update(`${name}\0`).update(readFileSync(name)
 const built = { sources: digest.digest("hex") };
 
 await build({
-  entryPoints: ["src/main.ts"],
+  entryPoints: { page: "src/main.ts", post: "src/post.ts" },
   bundle: true,
   minify: true,
   format: "esm",
   target: "es2022",
   legalComments: "none",
-  outfile: `${out}/page.js`,
+  outdir: out,
   define: { BUILD: JSON.stringify(built.sources) },
   plugins: [
     {
@@ -37,6 +37,8 @@ await build({
   ],
 });
 for (const name of ["index.html", "page.css"]) copyFileSync(name, `${out}/${name}`);
-for (const name of ["index.html", "page.css", "page.js"])
-  built[name] = createHash("sha256").update(readFileSync(`${out}/${name}`)).digest("hex");
+for (const name of ["index.html", "page.css", "page.js", "post.js"])
+  built[name] = createHash("sha256")
+    .update(readFileSync(`${out}/${name}`))
+    .digest("hex");
 writeFileSync(`${out}/built.json`, `${JSON.stringify(built, null, 2)}\n`);

@@ -33,13 +33,13 @@ PICTURES = os.environ.get("FARHAND_PICTURES", "")
 class Desk:
     """A console with an operator's program that always answers, served on loopback, and a browser before it."""
 
-    def __init__(self):
-        self.operator, self.pause = Operator(), threading.Event()
+    def __init__(self, operator=None, find_model=lambda _: None):
+        self.operator, self.pause = operator or Operator(), threading.Event()
         self.bound = socket.create_server(("127.0.0.1", 0))
         self.wire = Wire(self.bound.getsockname()[1])
         host = f"127.0.0.1:{self.wire.port}"
         door = Door(hosts=frozenset({host}), build=build_of())
-        self.console = Console("r", self.operator, 5)
+        self.console = Console("r", self.operator, 5, find_model)
         server = Server(self.console, door, self.operator.clock.now_ns, lambda line: None)
         self.server, self.url = uvicorn.Server(web_config(server.app)), f"http://{host}/"
         serve = self.server.serve(sockets=[self.bound])

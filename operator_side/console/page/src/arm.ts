@@ -1,5 +1,17 @@
 // An arm that is drawn: its URDF in one colour, and the inverse kinematics that a ghost needs.
-import { Box3, Color, Group, LoadingManager, Matrix4, Mesh, MeshStandardMaterial, Object3D, Quaternion, Vector3 } from "three";
+import {
+  Box3,
+  type BufferGeometry,
+  type Color,
+  Group,
+  LoadingManager,
+  Matrix4,
+  Mesh,
+  MeshStandardMaterial,
+  type Object3D,
+  Quaternion,
+  Vector3,
+} from "three";
 import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
 
 export interface Pose {
@@ -15,11 +27,17 @@ export class Arm {
   private last: Object3D | null = null;
   private readonly tool = new Matrix4(); // of the tool, in the last joint's frame
   private hasTool = false;
+  private bodies: [Mesh, Vector3[]][] = [];
   values: number[] = [];
 
   constructor(colour: string, opacity: number) {
     this.material = new MeshStandardMaterial({
-      color: colour, transparent: opacity < 1, opacity, depthWrite: opacity === 1, roughness: 0.75, metalness: 0.1,
+      color: colour,
+      transparent: opacity < 1,
+      opacity,
+      depthWrite: opacity === 1,
+      roughness: 0.75,
+      metalness: 0.1,
     });
   }
 
@@ -41,14 +59,23 @@ export class Arm {
     if (other.robot) this.adopt(other.robot.clone(), names);
   }
 
+  /** The outermost points of every body, in base: what an outline is made from. */
+  hulls(): Vector3[][] {
+    this.group.updateMatrixWorld(true);
+    return this.bodies.map(([body, points]) => points.map((at) => at.clone().applyMatrix4(body.matrixWorld)));
+  }
+
   private adopt(robot: URDFRobot, names: string[]): void {
     this.robot = robot;
     this.joints = names.map((name) => robot.joints[name]).filter((joint): joint is URDFJoint => joint !== undefined);
     this.last = this.joints.at(-1) ?? null;
     this.group.clear();
     this.group.add(robot);
+    this.bodies = [];
     robot.traverse((each) => {
-      if (each instanceof Mesh) each.material = this.material;
+      if (!(each instanceof Mesh)) return;
+      each.material = this.material;
+      this.bodies.push([each, outermost(each.geometry)]);
     });
   }
 
@@ -62,7 +89,7 @@ export class Arm {
 
   set(values: number[]): void {
     this.values = [...values];
-    this.joints.forEach((joint, k) => joint.setJointValue(values[k] ?? 0));
+    for (const [k, joint] of this.joints.entries()) joint.setJointValue(values[k] ?? 0);
   }
 
   /** Where the tool is on the last link follows from one pose that was measured with its joints. */
@@ -110,6 +137,24 @@ export class Arm {
       this.set(this.values.map((value, index) => value + Math.max(-0.2, Math.min(0.2, change[index] ?? 0))));
     }
   }
+}
+
+/** Those vertices that lie farthest out in one of many directions. */
+function outermost(geometry: BufferGeometry): Vector3[] {
+  const places = geometry.getAttribute("position");
+  const found = new Set<number>();
+  for (let k = 0; k < 60; k += 1) {
+    const z = 1 - (2 * k + 1) / 60; // evenly over the sphere, by the golden angle
+    const [x, y] = [Math.cos(2.39996 * k) * Math.sqrt(1 - z * z), Math.sin(2.39996 * k) * Math.sqrt(1 - z * z)];
+    let best = 0;
+    let most = -Infinity;
+    for (let j = 0; j < places.count; j += 1) {
+      const out = x * places.getX(j) + y * places.getY(j) + z * places.getZ(j);
+      if (out > most) [best, most] = [j, out];
+    }
+    found.add(best);
+  }
+  return [...found].map((j) => new Vector3().fromBufferAttribute(places, j));
 }
 
 function turnBetween(from: Quaternion, to: Quaternion): [number, number, number] {

@@ -33,3 +33,39 @@ test("opposite keys cancel, and frames have their axes", () => {
   hand.down("KeyA", "left");
   assert.deepEqual(hand.axes("base").linear, [1, 0, 0]);
 });
+
+test("a grip is one press however it moves, and adds to keys up to a full share", () => {
+  const hand = new Hand();
+  assert.equal(hand.grip("stick", [0.5, 0, 0, 0, 0, 0]), true);
+  hand.grip("stick", [0.7, 0, 0, 0, 0, 0]);
+  assert.deepEqual([hand.press, hand.six[0]], [1, 0.7]);
+  hand.down("KeyD", "right");
+  assert.deepEqual([hand.press, hand.six[0]], [2, 1]);
+});
+
+test("a grip that was let go for its hand counts again only once it was up", () => {
+  const hand = new Hand();
+  hand.grip("stick", [1, 0, 0, 0, 0, 0]);
+  hand.letGo();
+  assert.equal(hand.grip("stick", [1, 0, 0, 0, 0, 0]), false);
+  assert.equal(hand.engaged, false);
+  hand.up("stick");
+  assert.equal(hand.grip("stick", [1, 0, 0, 0, 0, 0]), true);
+  assert.equal(hand.press, 2);
+});
+
+test("a grip that began when it might not count stays out", () => {
+  const hand = new Hand();
+  hand.refuse("stick");
+  assert.equal(hand.grip("stick", [1, 0, 0, 0, 0, 0]), false);
+  assert.deepEqual([hand.engaged, hand.press], [false, 0]);
+});
+
+test("two sources of one act are one, and the second goes on when the first is up", () => {
+  const hand = new Hand();
+  hand.down("KeyW", "forward");
+  hand.down("pointer 1", "forward");
+  assert.equal(hand.six[1], 1);
+  hand.up("KeyW");
+  assert.equal(hand.six[1], 1);
+});

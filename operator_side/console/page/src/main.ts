@@ -1,169 +1,214 @@
-// The page: keys and buttons in, the robot out. Whatever takes the page out of a person's hands lets go.
-import { type Act, type Frame, Hand, KEYS } from "./hand.ts";
-import { element, Panel } from "./panel.ts";
-import { Labels, View3D } from "./scene.ts";
-import { type FrameTold, type Told, Wire } from "./wire.ts";
+// The page: keys, buttons, sticks and gamepad in, the robot out. Whatever takes the page out of a person's hands lets go.
+import { Arrival } from "./arrival.ts";
+import { Camera } from "./camera.ts";
+import { Controls } from "./controls.ts";
+import { chosen, element, label, put } from "./dom.ts";
+import { type Axes, type Frame, Hand } from "./hand.ts";
+import { NetworkMenu } from "./network.ts";
+import { Panel } from "./panel.ts";
+import { pageReasons } from "./reason.ts";
+import { Stage } from "./stage.ts";
+import { type Place, Step } from "./step.ts";
+import { clock, type FrameTold } from "./told.ts";
+import { type Heard, Wire } from "./wire.ts";
+import { World } from "./world.ts";
 
 declare const BUILD: string;
 
-const SEND_MS = 20;
+const TICK_MS = 20;
 const IDLE_MS = 400;
+const SHOW_MS = 100;
 const SILENT_MS = 500;
-const GRACE_MS = 250;
+const BACK_MS = 3000;
+const CUT_MS = 250;
+const LATE_MS = 1500; // then its clocks are no good any more, as after a long sleep
 
 const hand = new Hand();
 const panel = new Panel();
-const view = new View3D(element<HTMLCanvasElement>("scene"), new Labels(element("labels")));
+const world = new World();
+const stage = new Stage(world);
+const camera = new Camera();
+const arrival = new Arrival();
 let told: FrameTold | null = null;
 let toldAt = 0;
-let lostSince = performance.now();
+let lostSince = clock();
 let refused = "";
 let saidAt = 0;
+let shownAt = 0;
 let estopAt = -Infinity;
 let cameBack = -Infinity;
 let wasOpen = false;
+let anew = true;
+let lateSince = Infinity;
+let step: Step | null = null;
+let heardAt = -Infinity;
+let received = false;
+let cutAt = -Infinity;
 
 const wire = new Wire(BUILD, hear, (open, why) => {
   letGo();
   refused = why;
-  if (open && wasOpen) cameBack = performance.now();
+  if (open && wasOpen) cameBack = clock();
   wasOpen ||= open;
+  anew = true;
+  lateSince = clock();
   if (!open) lostSince = toldAt || lostSince;
 });
+const controls = new Controls(hand, { mine, mayBegin: () => chosen("mode") === "hold" || !hand.engaged, late, steer });
+const networks = new NetworkMenu((said) => wire.say(said));
 
-function hear(message: Told): void {
+function hear(message: Heard, at: number): void {
   if (message.kind === "robot") {
-    element("robot").textContent = message.name;
-    void view.robotIs(message);
-  } else if (message.kind === "scene") view.sceneIs(message);
+    put("robot", message.name);
+    void world.robotIs(message);
+  } else if (message.kind === "scene") world.sceneIs(message);
+  else if (message.kind === "picture") camera.hear(message, at);
   else {
-    const first = told === null;
+    const first = anew;
+    anew = false;
+    const never = told === null;
     told = message;
-    toldAt = performance.now();
-    if (first && !document.hidden && message.driver === 0) wire.do("take");
+    toldAt = at;
+    if (never && !document.hidden && message.driver === 0) wire.do("take");
+    if (first) tell(); // presses count only some time after the first word
     if (message.locked || message.driver !== message.you) letGo();
-    if (message.late && !hand.engaged) wire.again();
-    view.hear(message);
+    if (!message.late || hand.engaged) lateSince = at;
+    else if (at - lateSince > LATE_MS) wire.again();
+    noticeCut(message);
+    received = arrival.received(isHeard() ? hand.press : 0, message.report, message.state);
+    world.hear(message, performance.now() - (clock() - at));
+    controls.rumble(message.report);
     show();
   }
 }
 
-function frame(): Frame {
-  return (document.querySelector<HTMLInputElement>('input[name="frame"]:checked')?.value ?? "view") as Frame;
-}
-
-function scale(): number {
-  return Number(element<HTMLInputElement>("scale").value) / 100;
+/** The console's watchdog lets go where this page is not heard; what is held here then counts no more, and it is said. */
+function noticeCut(message: FrameTold): void {
+  if (isHeard() || !hand.engaged || message.heard !== hand.press || message.locked) heardAt = clock();
+  else if (clock() - heardAt > CUT_MS) {
+    cutAt = clock();
+    letGo();
+  }
 }
 
 function mine(): boolean {
-  return told !== null && told.driver === told.you && !told.locked && !isSilent();
+  return told !== null && told.driver === told.you && told.counts !== false && !told.locked && !isSilent() && !camera.locks;
 }
 
 function isSilent(): boolean {
-  return !wire.isOpen || performance.now() - toldAt > SILENT_MS;
+  return !wire.isOpen || clock() - toldAt > SILENT_MS;
 }
 
-function steer(): void {
-  saidAt = performance.now();
-  const axes = hand.axes(frame());
-  wire.steer({ engaged: hand.engaged, press: hand.press, ...axes, frame: frame(), view: view.view, scale: scale() });
-  view.wants(hand.engaged ? axes : null, frame(), scale());
-  light();
+function steer(begins: boolean): void {
+  if (begins) step = chosen("mode") === "step" && told?.report ? new Step(predicted(told.report)) : null;
+  tell();
+  controls.light(isHeard(), received && isHeard());
 }
 
-function press(source: string, act: Act, repeated: boolean): void {
-  if (mine() && hand.down(source, act, repeated)) steer();
+function late(): void {
+  cutAt = clock();
 }
 
-function release(source: string): void {
-  if (hand.up(source)) steer();
+function predicted(report: NonNullable<FrameTold["report"]>): Place {
+  return { position: report.predicted, orientation: report.predicted_orientation };
+}
+
+function tell(): void {
+  saidAt = clock();
+  const frame = chosen("frame") as Frame;
+  const axes = hand.axes(frame);
+  const scale = scaleFor(axes);
+  if (scale === 0) hand.letGo(); // the step is done: it holds, though the key be down
+  wire.steer({ engaged: hand.engaged, press: hand.press, ...axes, frame, view: stage.view, scale });
+  world.wants(hand.engaged ? axes : null, frame, scale, stage.view);
+}
+
+function scaleFor({ linear, angular }: Axes): number {
+  const wanted = Number(element<HTMLInputElement>("scale").value) / 100;
+  if (!step || !hand.engaged || !told?.report) return wanted;
+  const share = step.share(predicted(told.report), linear.some(Boolean), angular.some(Boolean));
+  return Math.min(wanted, share);
 }
 
 function letGo(): void {
-  if (hand.letGo()) steer();
+  if (hand.letGo()) steer(false);
 }
 
 function estop(): void {
   letGo();
-  estopAt = performance.now();
+  estopAt = clock();
   wire.do("estop");
-  light();
+  if (told) show();
 }
 
-function light(): void {
-  const heard = told !== null && told.holds && told.heard === hand.press;
-  for (const button of document.querySelectorAll<HTMLElement>("[data-act]")) {
-    const down = hand.holds(button.dataset.act as Act);
-    button.classList.toggle("down", down);
-    button.classList.toggle("heard", down && heard);
-  }
-  element("pads").classList.toggle("locked", !mine());
+function isHeard(): boolean {
+  return told?.holds === true && told.heard === hand.press;
+}
+
+function reasons(): FrameTold["reasons"] {
+  return pageReasons(
+    {
+      refused,
+      silent: isSilent() ? (clock() - (toldAt || lostSince)) / 1000 : null,
+      camera: camera.locks,
+      back: clock() - cameBack < BACK_MS && !hand.engaged,
+      hint: controls.said,
+      cut: clock() - cutAt < BACK_MS && !hand.engaged,
+    },
+    told?.reasons ?? [],
+  );
 }
 
 function show(): void {
   if (!told) return;
-  panel.say(localReasons() ?? told.reasons);
+  shownAt = clock();
+  panel.say(reasons());
   panel.show(told);
-  light();
+  controls.light(isHeard(), received && isHeard());
+  networks.show(told.networks);
+  element("recording").hidden = !told.recording;
+  showStop(told);
+  showSeat(told);
+  showStale(told);
+}
+
+function showStop(told: FrameTold): void {
   const latched = told.state?.mode === "estop";
-  const stopped = latched || told.state?.mode === "stopped";
   const button = element("estop");
   // The press itself is shown at once, and for as long as the robot has not confirmed it.
-  const asking = !latched && (told.stopping || performance.now() - estopAt < 500);
+  const asking = !latched && (told.stopping || clock() - estopAt < 500);
   button.classList.toggle("asked", asking);
   button.classList.toggle("latched", latched);
   label("estop", latched ? "LATCHED" : asking ? "Stopping …" : "E-STOP", latched ? "by the robot" : "Esc");
+}
+
+function showSeat(told: FrameTold): void {
   const driving = told.driver === told.you;
+  const stopped = told.state?.mode === "estop" || told.state?.mode === "stopped";
   element("acknowledge").hidden = !(stopped && driving);
   element("act").classList.toggle("three", stopped && driving);
-  const asked = told.asking.find(([number]) => number !== told?.you);
-  if (driving && asked) label("seat", `Hand over`, `to ${asked[1]}, who asks`);
+  const asked = told.asking.find(([number]) => number !== told.you);
+  if (driving && asked) label("seat", "Hand over", `to ${asked[1]}, who asks`);
   else if (driving) label("seat", "Let go", "give up control");
-  else if (told.driver) label("seat", told.asking.some(([n]) => n === told?.you) ? "Asked …" : "Ask for control", `${told.driver_name} drives`);
+  else if (told.driver)
+    label("seat", told.asking.some(([n]) => n === told.you) ? "Asked …" : "Ask for control", `${told.driver_name} drives`);
   else label("seat", "Take control", "nobody drives");
-  element("driver").textContent = driving ? "you drive" : told.driver ? `${told.driver_name} drives` : "nobody drives";
-  const stale = element("stale");
-  element("view").classList.toggle("stale", told.locked !== "" || isSilent());
-  stale.hidden = !(told.locked || isSilent());
-  if (!stale.hidden) stale.textContent = isSilent() ? "no picture: the console is silent" : told.locked;
-  else if (!view.works) {
-    stale.hidden = false;
-    stale.textContent = "This browser has no WebGL: numbers and keys work, the picture does not.";
-  }
+  put("driver", driving ? "you drive" : told.driver ? `${told.driver_name} drives` : "nobody drives");
 }
 
-function label(id: string, bold: string, small: string): void {
-  const [b, s] = element(id).children as unknown as [HTMLElement, HTMLElement];
-  if (b.textContent !== bold) b.textContent = bold;
-  if (s.textContent !== small) s.textContent = small;
-}
-
-/** What the page knows better than the console. */
-function localReasons(): FrameTold["reasons"] | null {
-  if (refused) return [{ pill: "link lost", what: refused, clears: "See to that, then reload this page." }];
-  if (isSilent() && performance.now() - toldAt > SILENT_MS) {
-    const seconds = ((performance.now() - (toldAt || lostSince)) / 1000).toFixed(1);
-    return [{ pill: "link lost", what: `The console is silent for ${seconds} s. Driving is locked.`, clears: "It is found again by itself; then press anew." }];
-  }
-  if (performance.now() - cameBack < 3000 && told && !hand.engaged)
-    return [{ pill: "ready", what: "Connected again. Nothing moves until you press anew.", clears: "" }, ...told.reasons];
-  return null;
+function showStale(told: FrameTold): void {
+  const why = isSilent() ? "no picture: the console is silent" : told.locked;
+  element("view").classList.toggle("stale", why !== "");
+  if (isSilent()) element("read").classList.add("old");
+  element("stale").hidden = !why;
+  put("stale", why);
 }
 
 addEventListener("keydown", (event) => {
-  if (event.code === "Escape") {
-    event.preventDefault();
-    if (!event.repeat) estop();
-    return;
-  }
-  const act = KEYS[event.code];
-  if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target instanceof HTMLInputElement && event.code.startsWith("Arrow")) return; // they move the slider
+  if (event.code !== "Escape") return;
   event.preventDefault();
-  press(event.code, act, event.repeat);
+  if (!event.repeat) estop();
 });
-addEventListener("keyup", (event) => release(event.code));
 for (const name of ["blur", "pagehide", "freeze"]) addEventListener(name, letGo);
 addEventListener("pagehide", () => wire.leave());
 addEventListener("pageshow", (event) => {
@@ -172,23 +217,6 @@ addEventListener("pageshow", (event) => {
 document.addEventListener("visibilitychange", () => {
   if (document.hidden) letGo();
 });
-for (const button of document.querySelectorAll<HTMLButtonElement>("[data-act]")) {
-  const act = button.dataset.act as Act;
-  button.addEventListener("pointerdown", (event) => {
-    event.preventDefault();
-    button.setPointerCapture(event.pointerId);
-    press(`pointer ${event.pointerId}`, act, false);
-  });
-  for (const name of ["pointerup", "pointercancel", "lostpointercapture"] as const)
-    button.addEventListener(name, (event) => release(`pointer ${event.pointerId}`));
-  button.addEventListener("contextmenu", (event) => event.preventDefault());
-  button.addEventListener("keydown", (event) => {
-    if (event.code !== "Space" && event.code !== "Enter") return;
-    event.preventDefault();
-    press(`focus ${act}`, act, event.repeat);
-  });
-  for (const name of ["keyup", "blur"]) button.addEventListener(name, () => release(`focus ${act}`));
-}
 element("estop").addEventListener("pointerdown", estop);
 element("estop").addEventListener("click", estop);
 element("acknowledge").addEventListener("click", () => wire.do("acknowledge"));
@@ -199,28 +227,40 @@ element("seat").addEventListener("click", () => {
   else if (asked) wire.do("give", asked[0]);
   else wire.do("release");
 });
+element("camera-close").addEventListener("click", () => camera.close());
 element("pill").addEventListener("click", () => {
   const list = element("reasons");
   list.hidden = !list.hidden;
   element("pill").setAttribute("aria-expanded", String(!list.hidden));
 });
-element("frames").addEventListener("change", letGo);
-element("scale").addEventListener("input", () => {
-  element("scale-out").textContent = `${element<HTMLInputElement>("scale").value} %`;
+for (const group of ["frames", "modes", "draw"]) element(group).addEventListener("change", letGo);
+element("withs").addEventListener("change", () => {
+  letGo();
+  element("pads").dataset.with = chosen("with");
 });
+element("scale").addEventListener("input", () => put("scale-out", `${element<HTMLInputElement>("scale").value} %`));
+
 function theme(light: boolean): void {
   document.documentElement.dataset.theme = light ? "light" : "dark";
-  view.theme();
+  element("theme").setAttribute("aria-pressed", String(light));
+  stage.theme();
 }
+const preferred = matchMedia("(prefers-color-scheme: light)");
+preferred.addEventListener("change", () => theme(preferred.matches));
 element("theme").addEventListener("click", () => theme(document.documentElement.dataset.theme !== "light"));
-theme(matchMedia("(prefers-color-scheme: light)").matches);
+theme(preferred.matches);
+
+const touch = matchMedia("(pointer: coarse)").matches ? "sticks" : "buttons";
+element("pads").dataset.with = touch;
+element<HTMLInputElement>(`with-${touch}`).checked = true;
 
 setInterval(() => {
-  if (hand.engaged || performance.now() - saidAt > IDLE_MS) if (wire.isOpen) steer();
-  if (performance.now() - toldAt > GRACE_MS && isSilent()) letGo();
-  if (isSilent()) {
-    const reasons = localReasons();
-    if (reasons) panel.say(reasons);
-    if (told) show();
-  }
-}, SEND_MS);
+  controls.poll();
+  if (hand.engaged && (isSilent() || camera.locks)) letGo();
+  if (hand.engaged || clock() - saidAt > IDLE_MS) tell();
+  camera.show(told !== null && told.locked !== "");
+  if (clock() - shownAt < SHOW_MS) return;
+  shownAt = clock();
+  if (told) show();
+  else panel.say(reasons());
+}, TICK_MS);

@@ -1,177 +1,64 @@
-// What the console says and is told, and the socket between: it comes back by itself and never says anything twice.
-import { decode, encode } from "@msgpack/msgpack";
-import type { Frame, Vector } from "./hand.ts";
-
-export type Quaternion = [number, number, number, number];
-
-export interface RobotState {
-  position: Vector;
-  orientation: Quaternion;
-  velocity: Vector;
-  joints: number[];
-  mode: "run" | "hold" | "stopped" | "estop";
-  reason: string;
-  clearance: number;
-}
-
-export interface Report {
-  desired: Vector;
-  filtered: Vector;
-  desired_angular: Vector;
-  angular: Vector;
-  predicted: Vector;
-  predicted_orientation: Quaternion;
-  inflation: number;
-  sigma: number;
-  rtt_mean: number | null;
-  rtt_std: number | null;
-  loss: number;
-  binding: string;
-  target_index: number;
-  target_count: number;
-}
-
-export interface Guard {
-  part: string;
-  obstacle: string;
-  distance: number;
-  limit: number;
-}
-
-export interface Reason {
-  pill: string;
-  what: string;
-  clears: string;
-}
-
-export interface FrameTold {
-  kind: "frame";
-  state: RobotState | null;
-  guard: Guard | null;
-  report: Report | null;
-  age: number | null;
-  report_age: number | null;
-  path: Vector[];
-  reasons: Reason[];
-  locked: string;
-  you: number;
-  driver: number;
-  driver_name: string;
-  asking: [number, string][];
-  holds: boolean;
-  /** An emergency stop was asked for, and the robot has not latched it yet. */
-  stopping: boolean;
-  heard: number;
-  late: boolean;
-}
-
-export interface Shape {
-  kind: "sphere" | "capsule" | "box" | "plane" | "mesh";
-  radius?: number;
-  half_length?: number;
-  half_extents?: Vector;
-  vertices?: Vector[];
-}
-
-export interface Obstacle {
-  id: string;
-  position: Vector;
-  velocity: Vector;
-  orientation: Quaternion;
-  shape: Shape;
-}
-
-export interface SceneTold {
-  kind: "scene";
-  obstacles: Obstacle[];
-  targets: Vector[];
-}
-
-export interface RobotTold {
-  kind: "robot";
-  name: string;
-  model: string;
-  joints: string[];
-  radius: number;
-}
-
-export type Told = FrameTold | SceneTold | RobotTold;
-
-export interface Steer {
-  engaged: boolean;
-  press: number;
-  linear: Vector;
-  angular: Vector;
-  frame: Frame;
-  view: Quaternion;
-  scale: number;
-}
-
-export type Deed = "estop" | "acknowledge" | "take" | "release" | "give";
+// The page's end of its post office (post.ts): what is said goes there, what is told comes from there.
+import { clock, type Deed, type News, type Order, type Picture, type Said, type Steer, type Told } from "./told.ts";
 
 const TOO_OLD = 4001;
-const AGAIN_MS = 700;
+
+export type Heard = Exclude<Told, { kind: "camera" }> | Picture;
 
 export class Wire {
-  private socket: WebSocket | null = null;
-  private n = 0;
-  private final = "";
+  isOpen = false;
+  private readonly worker = new Worker("post.js", { type: "module" });
 
   constructor(
-    private readonly build: string,
-    private readonly heard: (told: Told) => void,
+    build: string,
+    private readonly heard: (told: Heard, at: number) => void,
     private readonly changed: (open: boolean, why: string) => void,
   ) {
-    this.open();
-  }
-
-  get isOpen(): boolean {
-    return this.socket?.readyState === WebSocket.OPEN;
+    this.worker.onmessage = (event: MessageEvent<News>) => this.news(event.data);
+    const url = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`;
+    this.order({ do: "open", url, build, token: decodeURIComponent(location.hash.slice(1)) });
   }
 
   steer(steer: Steer): void {
-    this.send({ kind: "steer", n: ++this.n, t: performance.now(), ...steer });
+    this.order({ do: "steer", steer, at: clock() });
   }
 
-  do(what: Deed, to = 0): boolean {
-    return this.send({ kind: "do", n: ++this.n, what, to });
+  do(what: Deed, to = 0): void {
+    this.say({ kind: "do", what, to });
+  }
+
+  say(said: Said): void {
+    this.order({ do: "say", said });
   }
 
   /** Begin anew, as after a long sleep: clocks of before count no more. */
   again(): void {
-    this.socket?.close();
+    this.order({ do: "again" });
   }
 
   /** For good. */
   leave(): void {
-    this.final = "this page was left";
-    this.socket?.close();
+    this.order({ do: "leave" });
   }
 
-  private send(message: object): boolean {
-    if (!this.isOpen || this.final) return false; // nothing waits for a connection, so that nothing old is done
-    this.socket?.send(encode(message, { forceIntegerToFloat: false }));
-    return true;
+  private order(order: Order): void {
+    this.worker.postMessage(order);
   }
 
-  private open(): void {
-    const socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
-    this.socket = socket;
-    socket.binaryType = "arraybuffer";
-    socket.onopen = () => {
-      socket.send(encode({ kind: "hello", page: this.build, token: decodeURIComponent(location.hash.slice(1)) }));
-      this.changed(true, "");
-    };
-    socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.heard(decode(event.data) as Told);
-    socket.onclose = (event) => {
-      if (event.code === TOO_OLD && !sessionStorage.getItem("reloaded")) {
-        sessionStorage.setItem("reloaded", "1");
-        location.reload();
-        return;
-      }
-      this.final ||= event.code >= 4000 && event.code < 4007 ? event.reason : "";
-      this.changed(false, event.code >= 4000 ? event.reason : "");
-      if (!this.final) setTimeout(() => this.open(), AGAIN_MS);
-    };
+  private news(news: News): void {
+    if (news.do === "heard") {
+      const { kind } = news.told;
+      this.heard(news.told, news.at);
+      const drawn = kind === "frame" || (news.told.kind === "picture" && news.told.bitmap !== null);
+      if (drawn) this.order({ do: "drawn", what: kind === "frame" ? "frame" : "picture" });
+      return;
+    }
+    this.isOpen = news.open;
+    if (news.code === TOO_OLD && !sessionStorage.getItem("reloaded")) {
+      sessionStorage.setItem("reloaded", "1");
+      location.reload();
+      return;
+    }
+    this.changed(news.open, news.why);
   }
 }

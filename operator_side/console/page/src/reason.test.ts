@@ -1,0 +1,21 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { pageReasons } from "./reason.ts";
+import type { Reason } from "./told.ts";
+
+const NOTHING = { refused: "", silent: null, camera: "", back: false, hint: "", cut: false };
+const reason = (pill: string): Reason => ({ pill, what: pill, clears: "" });
+const pills = (found: Reason[]) => found.map((each) => each.pill);
+
+test("what the console says stands, where the page knows nothing better", () => {
+  assert.deepEqual(pills(pageReasons(NOTHING, [reason("run")])), ["run"]);
+});
+
+test("a console that is silent knows nothing any more", () => {
+  assert.deepEqual(pills(pageReasons({ ...NOTHING, silent: 1.23 }, [reason("run")])), ["link lost"]);
+});
+
+test("a frozen camera comes before what moves, and after what stops", () => {
+  const known = { ...NOTHING, camera: "The camera frozen, 3 s." };
+  assert.deepEqual(pills(pageReasons(known, [reason("e-stop"), reason("ready")])), ["e-stop", "held", "ready"]);
+});

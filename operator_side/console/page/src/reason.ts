@@ -1,0 +1,42 @@
+// What the page knows better than the console, in the same words as its reasons. Knows no browser.
+import type { Reason } from "./told.ts";
+
+export interface Known {
+  /** Why the console sent this page away; empty: it did not. */
+  refused: string;
+  /** How long the console has been silent (s); null: it is not. */
+  silent: number | null;
+  /** Why the camera locks driving; empty: it does not. */
+  camera: string;
+  /** Whether the connection has just come back and nothing is held down. */
+  back: boolean;
+  /** What gamepad or step have to say; empty: nothing. */
+  hint: string;
+  /** Whether the console let go of what is held here, because it was not heard for a moment. */
+  cut: boolean;
+}
+
+export function pageReasons(known: Known, told: Reason[]): Reason[] {
+  if (known.refused) return [{ pill: "link lost", what: known.refused, clears: "See to that, then reload this page." }];
+  if (known.silent !== null)
+    return [
+      {
+        pill: "link lost",
+        what: `The console is silent for ${known.silent.toFixed(1)} s. Driving is locked.`,
+        clears: "It is found again by itself; then press anew.",
+      },
+    ];
+  const worse = told.filter((each) => ["link lost", "e-stop", "stopped", "taken"].includes(each.pill));
+  const rest = told.filter((each) => !worse.includes(each));
+  const own: Reason[] = [];
+  if (known.camera)
+    own.push({
+      pill: "held",
+      what: known.camera,
+      clears: "It unlocks by itself when the camera moves again, or drive without it; then press anew.",
+    });
+  if (known.cut) own.push({ pill: "held", what: "Let go by itself: this page was not heard for a moment.", clears: "Press anew." });
+  if (known.hint) own.push({ pill: "held", what: known.hint, clears: "" });
+  if (known.back) own.push({ pill: "ready", what: "Connected again. Nothing moves until you press anew.", clears: "" });
+  return [...worse, ...own, ...rest];
+}
