@@ -30,7 +30,7 @@ from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import mirror_key, report_key
 from farhand.common.messages.scene import Obstacle
 from farhand.common.timing.clock import SystemClock, to_ns, utc_seconds
-from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RobotWords
+from farhand.programs.command_line import ConsoleWords, NetemWords, OperatorWords, RecordWords, RobotWords
 from farhand.testing import Programs, command, description, report, scene, state
 from tests.operator_side.console.browser import CHROMIUM, DRIVER, Browser
 from tests.operator_side.console.caller import Caller
@@ -241,10 +241,13 @@ class _System:
                 robot="ur5",
                 connect=(f"tcp/{near}",),
                 report=f"tcp/{reports}",
-                record=str(self.folder / "recording") if console else "",
                 result=str(self.folder / "operator.json"),
             ).words()
         )
+        if console:
+            start(
+                *RecordWords(out=str(self.folder / "run.mcap"), connect=f"tcp/{reports}", robot="ur5").words()
+            )
         start(*ConsoleWords(connect=f"tcp/{reports}", listen=page, robot="ur5").words()).wait_for("drive at")
         self._decoder = Decoder(VelocityCommand)
         self._link = ZenohLink(

@@ -47,6 +47,17 @@ def _try_a_file(folder: Path, what: str) -> None:
         raise InputError(f"{what}: cannot be written: {error.strerror or error}") from None
 
 
+def check_folder(folder: Path | None, option: str) -> None:
+    """Raise InputError where a folder cannot be made, before anything is; None is none."""
+    if folder is None:
+        return
+    there = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.exists())
+    if not there.is_dir():
+        raise InputError(f"{option} {folder}: cannot be written: {there} is no folder")
+    if not os.access(there, os.W_OK):
+        raise InputError(f"{option} {folder}: cannot be written: permission denied for {there}")
+
+
 def make_folder(folder: Path, option: str) -> None:
     """Make a folder if need be, and see that files find a place there; raises InputError."""
     try:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from farhand.common.process.called import called
 from farhand.common.process.console import page
+from farhand.common.process.outputs import check_folder
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.cast import BESIDE, CAMERA, RECORD, STEER, Cast, Hands, cast_of
@@ -41,6 +42,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
 
     Raises InputError in one line, before anything is started, where the robot cannot stand at the start.
     """
+    check_folder(out, "--out")
     check_library(run.scenario.steering.kind)
     prepare_robot_aloud(run.scenario, lambda line: say("demo", line))  # the robot's program finds it compiled
     run.check()

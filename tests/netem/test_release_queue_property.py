@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from farhand.common.link.link import Packet, memory_wire
+from farhand.common.recording.fates import DELIVERED
 from farhand.netem.emulation import Emulation
 from farhand.netem.impairments.base import Flow, Transit
 from farhand.netem.netem_node import NetemNode
@@ -51,8 +52,8 @@ class Record:
     def __init__(self):
         self.rows = []
 
-    def record(self, direction, transit, released_ns):
-        self.rows.append((direction, transit, released_ns))
+    def record(self, fate):
+        self.rows.append(fate)
 
 
 arrivals = st.lists(
@@ -80,7 +81,7 @@ def drive(spec, messages, limits):
         node.check_conservation()
     found = msgspec.to_builtins(node.statistics())
     for name in ("uplink", "downlink"):
-        logged = [released_ns is not None for direction, _, released_ns in log.rows if direction == name]
+        logged = [fate.achieved_ns >= 0 for fate in log.rows if fate.direction == name]
         assert logged.count(True) == found[name]["delivered"]
         assert logged.count(False) == sum(found[name]["dropped"].values())
     return node, log, (operator, robot)
@@ -90,13 +91,10 @@ def drive(spec, messages, limits):
 @settings(max_examples=150, deadline=None)
 def test_nothing_vanishes_and_nothing_is_early(spec, messages, capacity):
     node, log, ends = drive(spec, messages, Limits(messages=capacity))
-    for _, transit, released_ns in log.rows:
-        assert transit.release_ns >= transit.arrived_ns + transit.delay_ns or transit.cause
-        if released_ns is None:
-            assert transit.cause
-        else:
-            assert not transit.cause
-            assert released_ns >= transit.release_ns
+    for fate in log.rows:
+        assert fate.assigned_ns >= fate.drawn_ns or fate.fate != DELIVERED
+        assert (fate.achieved_ns < 0) == (fate.fate != DELIVERED)
+        assert fate.achieved_ns < 0 or fate.achieved_ns >= fate.assigned_ns
     found = msgspec.to_builtins(node.statistics())
     for name, end, up in (("uplink", ends[1], True), ("downlink", ends[0], False)):
         sent = sum(message[1] is up for message in messages)
@@ -116,9 +114,9 @@ def test_in_order_never_reorders_a_key(spec, messages):
     for direction in ("uplink", "downlink"):
         for key in {message[2] for message in messages}:
             order = [
-                t.ordinal
-                for d, t, at in log.rows
-                if d == direction and t.packet.key == key and at is not None
+                fate.number
+                for fate in log.rows
+                if (fate.direction, fate.key) == (direction, key) and fate.achieved_ns >= 0
             ]
             assert order == sorted(order)
 
@@ -128,5 +126,7 @@ def test_in_order_never_reorders_a_key(spec, messages):
 def test_tcp_like_never_reorders_anything(messages):
     _, log, _ = drive("loss:30% uniform:0,20 tcp-like:20", messages, Limits())
     for direction in ("uplink", "downlink"):
-        arrived = [t.arrived_ns for d, t, at in log.rows if d == direction and at is not None]
+        arrived = [
+            fate.arrived_ns for fate in log.rows if fate.direction == direction and fate.achieved_ns >= 0
+        ]
         assert arrived == sorted(arrived)

@@ -5,18 +5,24 @@ import errno
 import pytest
 
 from farhand.common.errors import InputError
-from farhand.common.link.link import Packet
-from farhand.netem.impairments.base import Flow, Transit
+from farhand.common.recording.fates import Fate
 from farhand.netem.measure import message_log
 from farhand.netem.measure.message_log import CsvLog, read_log
-
-FLOW = Flow("farhand/r/state", "r", "state", [], [], [])
 
 
 def record(log, rows):
     for number in rows:
         log.record(
-            "uplink", Transit(Packet(FLOW.key, b"x"), FLOW, 1, number, 5 * number, 5 * number), 5 * number + 2
+            Fate(
+                direction="uplink",
+                key="farhand/r/state",
+                number=number,
+                size=1,
+                arrived_ns=5 * number,
+                drawn_ns=0,
+                assigned_ns=0,
+                achieved_ns=2,
+            )
         )
 
 
