@@ -165,7 +165,8 @@ def test_it_is_listed_and_can_be_removed(late):
     assert ("late:3,20", "every third message comes 20 ms later") in described()
     assert ("odd", "") in described()
     assert kinds() == (
-        "outage", "loss", "tcp-like", "duplicate", "recorded", "corrupt", "rate", "delay", "late", "reorder", "slot", "limit"
+        "outage", "loss", "tcp-like", "duplicate", "recorded", "corrupt",
+        "rate", "delay", "late", "reorder", "slot", "limit"
     )  # fmt: skip
     shown = CliRunner().invoke(app, ["networks"])
     assert "late:3,20" in shown.output
