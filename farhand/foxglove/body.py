@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from foxglove.messages import (
     Color,
     FrameTransform,
@@ -45,15 +44,19 @@ class Body:
 
     def __init__(self, robot: RobotDescription) -> None:
         self.robot = robot
-        known = ARMS.get(robot.model)
-        arm = model(robot.model) if known is not None else None
-        self._chain: Any = pin.buildModelFromXML(bare_text(arm.urdf)) if arm is not None else None
+        self._pin: Any = None
+        if robot.model in ARMS:
+            import pinocchio  # here, as a robot without links needs none
+
+            self._pin = pinocchio
+        arm = model(robot.model) if self._pin is not None else None
+        self._chain: Any = self._pin.buildModelFromXML(bare_text(arm.urdf)) if arm is not None else None
         self._data: Any = self._chain.createData() if self._chain is not None else None
         self._links = (
             [
                 (i, frame.name)
                 for i, frame in enumerate(self._chain.frames)
-                if frame.type == pin.FrameType.BODY
+                if frame.type == self._pin.FrameType.BODY
             ]
             if self._chain is not None
             else []
@@ -64,10 +67,10 @@ class Body:
         found = [transform(TOOL, state.position, state.orientation, time_ns)]
         if self._chain is None or len(state.joints) != self._chain.nq:
             return found
-        pin.framesForwardKinematics(self._chain, self._data, np.array(state.joints))
+        self._pin.framesForwardKinematics(self._chain, self._data, np.array(state.joints))
         for index, name in self._links:
             placement = self._data.oMf[index]
-            x, y, z, w = (float(value) for value in pin.Quaternion(placement.rotation).coeffs())
+            x, y, z, w = (float(value) for value in self._pin.Quaternion(placement.rotation).coeffs())
             px, py, pz = (float(value) for value in placement.translation)
             found.append(transform(name, (px, py, pz), (w, x, y, z), time_ns))
         return found

@@ -73,4 +73,5 @@ def test_the_demo_in_an_empty_folder(installed, tmp_path):
     done = installed.farhand("demo", "--scenario", str(task), "--network", "constant:50", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "SAFE" in done.stdout
-    assert list(tmp_path.glob("runs/*/run.mcap"))
+    logs = [path.read_text() for path in tmp_path.glob("runs/*/record.log")]
+    assert list(tmp_path.glob("runs/*/run.mcap")), logs

@@ -44,7 +44,7 @@ class Demo(Program):
         for child in psutil.Process(self.process.pid).children(recursive=True):
             arguments = child.cmdline()
             children[arguments[arguments.index("farhand") + 1]] = child
-        assert set(children) == {"operator", "netem", "robot"}
+        assert set(children) == {"operator", "netem", "robot", "record"}
         return children
 
     def end(self):
@@ -162,6 +162,17 @@ def test_the_death_of_one_ends_all_and_is_told(demo, victim):
     assert code == 1
     assert summary["why"] == f"the {victim} program was killed by signal 9"
     assert not summary["finished"]
+
+
+def test_the_death_of_the_recorder_costs_the_recording_alone(demo):
+    children = demo.wait_until_it_drives()
+    children["record"].kill()
+    code, summary = demo.end()
+    assert (code, summary["finished"], summary["why"]) == (0, True, "")
+    assert any("the record program was killed by signal 9" in line for line in demo.said)
+    run = read_run(demo.folder / "run.mcap")
+    assert run.cut_off
+    assert run.ticks  # all but the last second is there
 
 
 def test_the_death_of_the_demo_itself_leaves_nothing(demo):
