@@ -12,6 +12,7 @@ from farhand.commands.options import (
     MarginOption,
     NetworkOption,
     PredictorOption,
+    RateOption,
     ScenarioOption,
     SeedOption,
     SetOption,
@@ -47,6 +48,7 @@ def demo(
     predictor: PredictorOption = None,
     solver: SolverOption = None,
     steer: DemoSteerOption = None,
+    rate: RateOption = None,
     guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
@@ -68,7 +70,7 @@ def demo(
     browser = steer == "browser"
     steer = "remote" if browser else steer
     chosen = chosen_scenario(
-        scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario, settings, guard=guard, rate=rate, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
     run = Run(
         scenario=chosen,
@@ -89,6 +91,7 @@ def simulate(
     predictor: PredictorOption = None,
     solver: SolverOption = None,
     steer: SteerOption = None,
+    rate: RateOption = None,
     guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
@@ -106,7 +109,7 @@ def simulate(
     from farhand.runs.run import Run
 
     chosen = chosen_scenario(
-        scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario, settings, guard=guard, rate=rate, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
     run = Run(
         scenario=chosen,
