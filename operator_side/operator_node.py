@@ -32,7 +32,6 @@ from farhand.operator_side.settings import OperatorScenario
 from farhand.operator_side.steering.device import SteeringDevice
 from farhand.operator_side.supervision import Supervision
 
-
 REMEMBERED = 25.6
 """How long a command is remembered (s): beyond every round trip that anything is decided on."""
 

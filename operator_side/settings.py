@@ -18,8 +18,8 @@ class OperatorSettings(Section, frozen=True, kw_only=True):
         predictor: which state prediction; None chooses the one that the margin law is made for.
         resync_after: with the oldest unanswered command older than this, a zero plan is sent (s), by margin
             laws that resynchronise.
-        rate_hz: commands a second; a step of the plan, `controller.period`, must be a whole number of ticks. None: one a
-            step, 10 Hz with the paper's settings.
+        rate_hz: commands a second; a step of the plan, `controller.period`, must be a whole number of ticks.
+            None: one a step, 10 Hz with the paper's settings.
         tolerance: a target counts as reached within this distance (m).
     """
 

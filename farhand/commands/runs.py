@@ -70,7 +70,14 @@ def demo(
     browser = steer == "browser"
     steer = "remote" if browser else steer
     chosen = chosen_scenario(
-        scenario, settings, guard=guard, rate=rate, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario,
+        settings,
+        guard=guard,
+        rate=rate,
+        margin=margin,
+        predictor=predictor,
+        solver=solver,
+        steer=steer,
     )
     run = Run(
         scenario=chosen,
@@ -109,7 +116,14 @@ def simulate(
     from farhand.runs.run import Run
 
     chosen = chosen_scenario(
-        scenario, settings, guard=guard, rate=rate, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario,
+        settings,
+        guard=guard,
+        rate=rate,
+        margin=margin,
+        predictor=predictor,
+        solver=solver,
+        steer=steer,
     )
     run = Run(
         scenario=chosen,

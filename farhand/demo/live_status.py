@@ -76,7 +76,7 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
     bar = _bar(report, live=not robot_style)
     grid.add_row("targets", bar, "", of_robot(f"{report.target_index} of {report.target_count}"))
     trip = f"{milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms"
-    grid.add_row("round trip", of_robot(trip), "lost", of_robot(f"{report.loss * 100:.1f} %"))
+    grid.add_row("round trip", of_robot(trip), "lost", of_robot(_percent(report.loss)))
     rate = report.state_rate if shown.robot is Freshness.LIVE else 0.0
     grid.add_row("margin", own(margin_text(report)), "states", of_robot(f"{rate:.0f} /s"))
     nearest, least = _mm(report.clearance), _mm(report.min_clearance)
@@ -108,6 +108,10 @@ def margin_text(report: ControlReport) -> str:
 
 def _mm(value: float | None) -> str:
     return "–" if value is None else f"{value * 1e3:.0f} mm"
+
+
+def _percent(value: float | None) -> str:
+    return "–" if value is None else f"{value * 100:.1f} %"
 
 
 def sparkline(values: list[float], width: int = 30) -> str:

@@ -68,4 +68,6 @@ class Trail:
     def learn(self, desired: Array, velocity: Array, part: float) -> None:
         """Look at what became of a tick: the desired and the commanded velocity (m/s), the lag part (m)."""
         held_up = part > WORTH_SLOWING and norm(velocity) < BLOCKED * norm(desired)
-        self._pace = max(SLOWEST, self._pace / self._change) if held_up else min(1.0, self._pace * self._change)
+        self._pace = (
+            max(SLOWEST, self._pace / self._change) if held_up else min(1.0, self._pace * self._change)
+        )

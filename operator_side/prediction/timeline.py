@@ -10,8 +10,9 @@ class Timeline(StatePredictor):
     """The state says: command s applied, held for h.
 
     In the j-th tick after s took effect the robot runs command s + j; where that was never sent, or in the
-    tick j0 = floor(h / period) under way, it plays on the newest plan that it has, a step of which is a whole number of ticks. Commands that were due by
-    then and are not echoed count as lost. `spread` is the largest difference that further losses could make.
+    tick j0 = floor(h / period) under way, it plays on the newest plan that it has, of which a step is a whole
+    number of ticks. Commands that were due by then and are not echoed count as lost. `spread` is the largest
+    difference that further losses could make.
     """
 
     knows_plan = True

@@ -1,4 +1,4 @@
-"""How soon a robot answers a hand: from a change of what is asked to the first command, and the first motion, that know it.
+"""How soon a robot answers a hand: from a change of the wish to the first command, and the first period, that know it.
 
 A point robot in the open, over a network, steered to and fro: the hand turns round at instants that have nothing to do
 with ticks. In virtual time both clocks are one, so that the two ends can be compared.

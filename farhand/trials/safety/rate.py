@@ -2,7 +2,7 @@
 
     python -m farhand.trials.safety.rate --tasks 200 --out runs/rate
 
-Each task is one of Table I's with the box, guard off, so that the operator's side alone keeps it safe; and one in ten as
+Each task is one of Table I's with the box, guard off, so that the operator's side alone keeps it safe; one in ten as
 many is of a UR5 among clutter with its guard on. Every task is done at each rate (rates.py) over every network, with
 the same seeds. The answer is measured beside it (answering.py). Prints one table, kept in --out with every row; a trial
 that was stopped goes on with the same --out. Exit code 1 if any task came below d_min or crashed.
