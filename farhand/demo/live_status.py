@@ -30,6 +30,7 @@ REFRESH_HZ = 10
 LINE_PERIOD = 2.0
 SILENT_LINE_PERIOD = 10.0
 TRAIL = 30
+TRAIL_NS = 90_000_000
 _BARS = "▁▂▃▄▅▆▇█"
 
 
@@ -192,6 +193,7 @@ class StatusView:
         self._title, self._console = title, console
         self._trail: deque[float] = deque(maxlen=TRAIL)
         self._hearing = Hearing()
+        self._trail_ns: int | None = None  # of its newest value, on the operator's clock
         self._live: Live | None = None
         self._start_ns: int | None = None
         self._clock = 0.0
@@ -226,7 +228,7 @@ class StatusView:
         for arrived in reports:
             self._guard = arrived.report.guard or self._guard
             if self._hearing.take(arrived.report, arrived.at_ns) and arrived.report.clearance is not None:
-                self._trail.append(arrived.report.clearance)
+                self._note(arrived.report.clearance, arrived.report.t_sent_ns)
         shown = self._hearing.picture(now_ns, connected)
         elapsed = (now_ns - self._start_ns) * 1e-9
         if shown.running:
@@ -239,6 +241,13 @@ class StatusView:
             if report is not None:
                 report, self._guard = msgspec.structs.replace(report, guard=self._guard), None
             self._console.print(line(report, shown, elapsed), highlight=False, markup=False, soft_wrap=True)
+
+    def _note(self, clearance: float, sent_ns: int) -> None:
+        """A value of the chart each TRAIL_NS, however many reports there are."""
+        last_ns = self._trail_ns
+        if last_ns is None or not 0 <= sent_ns - last_ns < TRAIL_NS:
+            self._trail.append(clearance)
+            self._trail_ns = sent_ns
 
     def _is_due(self, shown: Picture, now_ns: int) -> bool:
         """Whether a line is to be printed: at each change, every 2 s while all is live, else every 10 s."""
