@@ -3,10 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from farhand.common.messages.base import Vector3
+from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.sides import Free, way_round
 from farhand.operator_side.steering.sidestep import Progress
+
+AGAIN_NS = 90_000_000
+"""How long the answer to one wish stands: looking round costs many times a tick at 50 Hz, and people read no faster."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +28,7 @@ class Blockage:
 
     def __init__(self) -> None:
         self._progress = Progress()
+        self._said, self._for, self._looked_ns = Blocked(), ZERO, -AGAIN_NS
 
     def look(
         self, wanted: Vector3, state: RobotState, free: Free, obstacle: Callable[[], str], now_ns: int
@@ -38,9 +42,15 @@ class Blockage:
             obstacle: says the id of the one that the filter keeps clear of; empty: of none.
             now_ns: beginning of the tick.
         """
-        if not self._progress.lacking(wanted, state.velocity, now_ns) or free([wanted])[0]:
+        if not self._progress.lacking(wanted, state.velocity, now_ns):
             return Blocked()
-        name = obstacle()
+        if wanted != self._for or now_ns - self._looked_ns >= AGAIN_NS:
+            self._said, self._for, self._looked_ns = self._find(wanted, free, obstacle), wanted, now_ns
+        return self._said
+
+    @staticmethod
+    def _find(wanted: Vector3, free: Free, obstacle: Callable[[], str]) -> Blocked:
+        name = "" if free([wanted])[0] else obstacle()
         way = way_round(wanted, free) if name else None
         return Blocked(name, way.side if way is not None else "")
 

@@ -25,6 +25,7 @@ from farhand.operator_side.delay_limits import beyond_limits
 from farhand.operator_side.faults import checked_margin, checked_plan, checked_steering, told
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
+from farhand.operator_side.pace import pace_of
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.command_history import CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
@@ -135,6 +136,7 @@ class Decider:
         self._scenario, self._controller, self._device = scenario, controller, device
         self._perception, self._round_trip, self._senses = senses.perception, senses.round_trip, senses
         self._supervision, self._session = supervision, supervision.session
+        self._pace = pace_of(scenario)
         self._margin = make_margin(scenario.margin)
         predictor = scenario.operator.predictor or self._margin.predictor
         self._prediction_law = PREDICTORS.get(predictor, "operator.predictor")
@@ -229,13 +231,14 @@ class Decider:
         if robot is None:
             return None
         if mind is None or not (robot is mind.robot or robot.same_robot(mind.robot)):
-            known = Known(self._senses.history, self._session, settings.period, robot.lag)
+            pace = self._pace
+            known = Known(self._senses.history, self._session, pace.tick, robot.lag)
             trails = self._prediction_law.compensates_lag
             self._mind = mind = Mind(
                 robot,
-                Innovations(known, self._scenario.margin.innovation_window),
+                Innovations(known, pace.ticks(self._scenario.margin.innovation_span)),
                 self._prediction_law(known),
-                SafetyFilter(settings, self._controller, robot, trails=trails),
+                SafetyFilter(settings, self._controller, robot, trails=trails, tick=pace.tick),
             )
         return mind
 

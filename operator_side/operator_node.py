@@ -23,6 +23,7 @@ from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.deciding import Decided, Decider, Senses
+from farhand.operator_side.pace import pace_of
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.command_history import CommandHistory
 from farhand.operator_side.reporting import ReportWriter, Tick
@@ -30,6 +31,9 @@ from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.settings import OperatorScenario
 from farhand.operator_side.steering.device import SteeringDevice
 from farhand.operator_side.supervision import Supervision
+
+REMEMBERED = 25.6
+"""How long a command is remembered (s): beyond every round trip that anything is decided on."""
 
 
 class Recorder(Protocol):
@@ -81,11 +85,12 @@ class OperatorNode:
         self.listeners: list[Callable[[ControlReport], object]] = []  # told of every tick; must be quick
         self.recorder: Recorder | None = None
         self._link, self._key = link, command_key(who.robot)
-        self._ticks = Periodic(to_ns(scenario.controller.period))
-        self._period = scenario.controller.period
+        pace = pace_of(scenario)
+        self._ticks = Periodic(to_ns(pace.tick))
+        self._step = pace.step
         self._perception = Perception(who.robot)
-        self.round_trip = RoundTrip(who.session, scenario.margin.rtt_window)
-        self._history = CommandHistory()
+        self.round_trip = RoundTrip(who.session, max(2, pace.ticks(scenario.margin.rtt_span)))
+        self._history = CommandHistory(pace.ticks(REMEMBERED))
         self._supervision = Supervision(who.session, who.name)
         senses = Senses(self._perception, self.round_trip, self._history, stopwatch)
         self._decider = Decider(scenario, controller, device, senses, self._supervision)
@@ -161,7 +166,7 @@ class OperatorNode:
         """One tick if it is due; returns the instant of the next."""
         periods = self._ticks.due(now_ns)
         if periods:
-            # Missed ticks use up sequence numbers: seq counts periods, which the timeline relies on.
+            # Missed ticks use up sequence numbers: seq counts ticks, which the timeline relies on.
             self._seq += periods
             self._tick(now_ns)
         assert self._ticks.next_ns is not None
@@ -175,7 +180,7 @@ class OperatorNode:
             self._history.add(
                 command.seq,
                 decided.t_sent_ns,
-                self._period,
+                self._step,
                 (command.velocity, *command.plan),
                 decided.predicted,
                 (command.angular, *command.plan_angular),
@@ -213,7 +218,7 @@ class OperatorNode:
         velocities, turning = decided.velocities, decided.turning
         if not decision.asking:
             start = decided.prediction.start
-            self._history.add(self._seq, now_ns, self._period, velocities, start, turning)
+            self._history.add(self._seq, now_ns, self._step, velocities, start, turning)
             self.round_trip.sent(self._seq, now_ns)
         return self._send(now_ns, decision.mode, velocities, turning, decided.desired, decision.successor)
 
@@ -255,7 +260,7 @@ class OperatorNode:
             angular=turning[0] if turning else ZERO,
             plan=velocities[1:],
             plan_angular=turning[1:],
-            plan_period_ns=self._ticks.period_ns,
+            plan_period_ns=to_ns(self._step),
             desired=desired.linear,
             desired_angular=desired.angular,
             successor=successor,

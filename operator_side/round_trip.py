@@ -6,12 +6,13 @@ tick, the solving time is part of it, as in the paper (arXiv 2403.18650).
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection
 
 from farhand.common.messages.state import RobotState
+from farhand.operator_side.state_loss import StateLoss
 
-LOSS_WINDOW = 200
-LOSS_SETTLE = 50
+SENT = 4096
+"""Commands of which none has been answered yet: beyond it the oldest is kept, and the one after it goes."""
 
 
 class RoundTrip:
@@ -20,15 +21,20 @@ class RoundTrip:
     Args:
         session: this operator's session; echoes of other sessions are ignored.
         window: number of round trips in mean and standard deviation.
+
+    Attributes:
+        newest: the newest round trip (s); None before the first.
+        mean, std: over the window (s); 0 before the first, and the deviation before the second.
+        count, total, total_squares: of all (s, s^2).
     """
 
     def __init__(self, session: int, window: int) -> None:
         self._session = session
         self._samples: deque[float] = deque(maxlen=window)
-        self._sent: deque[tuple[int, int]] = deque(maxlen=4096)
+        self._sent: deque[tuple[int, int]] = deque()
         self._answered = -1
-        self._state_seqs: deque[int] = deque(maxlen=LOSS_WINDOW)
-        self._mean, self._std = 0.0, 0.0  # over the window
+        self._states = StateLoss()
+        self.mean = self.std = 0.0
         self.newest: float | None = None
         self.count = 0
         self.total = 0.0
@@ -37,10 +43,12 @@ class RoundTrip:
     def sent(self, seq: int, t_sent_ns: int) -> None:
         """Note a command that leaves."""
         self._sent.append((seq, t_sent_ns))
+        if len(self._sent) > SENT:
+            del self._sent[1]
 
     def received(self, state: RobotState, arrived_ns: int) -> None:
         """Take a sample from the first state that echoes a command; later echoes of it say nothing new."""
-        self._state_seqs.append(state.seq)
+        self._states.received(state)
         echo = state.echo
         if echo is None or echo.session != self._session or echo.seq <= self._answered:
             return
@@ -50,20 +58,10 @@ class RoundTrip:
         rtt = max(0.0, (arrived_ns - echo.t_sent_ns - echo.hold_ns) * 1e-9)
         self.newest = rtt
         self._samples.append(rtt)
-        self._mean, self._std = _mean_and_std(self._samples)
+        self.mean, self.std = _moments(self._samples)
         self.count += 1
         self.total += rtt
         self.total_squares += rtt * rtt
-
-    @property
-    def mean(self) -> float:
-        """Mean round trip over the window (s); 0 before the first sample."""
-        return self._mean
-
-    @property
-    def std(self) -> float:
-        """Standard deviation over the window (s)."""
-        return self._std
 
     def overall(self) -> tuple[float | None, float | None]:
         """Mean and standard deviation over the whole session (s); None without samples."""
@@ -83,20 +81,13 @@ class RoundTrip:
         return (now_ns - self._sent[0][1]) * 1e-9 if self._sent else 0.0
 
     @property
-    def loss(self) -> float:
-        """Fraction of recent states that never came; the newest 50 are left out, as they may yet come."""
-        if not self._state_seqs:
-            return 0.0
-        newest = max(self._state_seqs)
-        low = max(newest - LOSS_WINDOW + 1, min(self._state_seqs))
-        high = newest - LOSS_SETTLE
-        if high <= low:
-            return 0.0
-        present = len(set(self._state_seqs).intersection(range(low, high + 1)))
-        return max(0.0, 1.0 - present / (high - low + 1))
+    def loss(self) -> float | None:
+        """Fraction of recent states that never came; None where that is not known yet."""
+        return self._states.share
 
 
-def _mean_and_std(samples: Sequence[float]) -> tuple[float, float]:
+def _moments(samples: Collection[float]) -> tuple[float, float]:
+    """Mean and standard deviation."""
     n = len(samples)
     mean = sum(samples) / n
-    return mean, math.sqrt(sum([(x - mean) ** 2 for x in samples]) / (n - 1)) if n > 1 else 0.0
+    return mean, math.sqrt(sum((x - mean) ** 2 for x in samples) / (n - 1)) if n > 1 else 0.0

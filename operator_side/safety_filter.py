@@ -64,15 +64,22 @@ class SafetyFilter:
         controller: the controller.
         robot: what it is.
         trails: whether predictions are of z = x + lag v, behind which the body trails.
+        tick: from one command to the next (s); None: a step of the plan.
     """
 
     def __init__(
-        self, settings: ControllerSettings, controller: Controller, robot: RobotDescription, trails: bool
+        self,
+        settings: ControllerSettings,
+        controller: Controller,
+        robot: RobotDescription,
+        trails: bool,
+        tick: float | None = None,
     ) -> None:
         self._settings = settings
+        self._tick = settings.period if tick is None else tick
         self._lag = robot.lag
         pays = trails and robot.lag > 0.0 and settings.kind != "pass-through"
-        self._trail = Trail(settings.speed_limit, robot.lag) if pays else None
+        self._trail = Trail(settings.speed_limit, robot.lag, self._tick) if pays else None
         self._keep = robot.radius + settings.d_min
         self._controller = controller
         self._obstacles: SeenObstacles | None = None
@@ -124,11 +131,11 @@ class SafetyFilter:
         return Filtered(plan, solution, binding, reason, lag_part)
 
     def problem_from(self, start: Vector3) -> ControlProblem | None:
-        """The newest problem a period later, from `start` (m), for those who only look; None before the first."""
+        """The newest problem a tick later, from `start` (m), for those who only look; None before the first."""
         posed = self._posed
         if posed is None:
             return None
-        moved = posed.centres + self._settings.period * posed.velocities
+        moved = posed.centres + self._tick * posed.velocities
         return replace(posed, position=np.array(start), centres=moved)
 
     def name_of(self, row: int) -> str:

@@ -1,6 +1,8 @@
 """The settings of the rest of the operator's side, and what it reads of a scenario."""
 
-from typing import Protocol
+from typing import Annotated, Protocol
+
+from msgspec import Meta
 
 from farhand.common.messages.base import Positive
 from farhand.common.scenario.section import Section
@@ -16,11 +18,14 @@ class OperatorSettings(Section, frozen=True, kw_only=True):
         predictor: which state prediction; None chooses the one that the margin law is made for.
         resync_after: with the oldest unanswered command older than this, a zero plan is sent (s), by margin
             laws that resynchronise.
+        rate_hz: commands a second; a step of the plan, `controller.period`, must be a whole number of ticks.
+            None: one a step, 10 Hz with the paper's settings.
         tolerance: a target counts as reached within this distance (m).
     """
 
     predictor: str | None = None
     resync_after: Positive = 0.8
+    rate_hz: Annotated[float, Meta(ge=1, le=500)] | None = None
     tolerance: Positive = 0.02
 
 

@@ -2,14 +2,13 @@
 
 import math
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
-from operator import attrgetter
 
-from farhand.common.messages.base import Vector3
+from farhand.common.geometry import norm
+from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.command import CommandMode
 from farhand.common.messages.state import RobotState
+from farhand.operator_side.prediction.law import moved
 
 WINDOW_NS = 3_000_000_000
 PROGRESS = 0.1
@@ -42,7 +41,30 @@ class Attempt:
     guarded: str = ""
 
 
-_DESIRED, _SENT = attrgetter("desired"), attrgetter("sent")
+@dataclass(frozen=True, slots=True)
+class _Past:
+    """A tick, where the robot was, and what had come together before it since the first one.
+
+    Attributes:
+        position: (m).
+        desired, sent: ways that these velocities made (m).
+        along: the way made along what was wanted at each tick (m): a robot that turned back at a target made some.
+    """
+
+    attempt: Attempt
+    position: Vector3
+    desired: Vector3 = ZERO
+    sent: Vector3 = ZERO
+    along: float = 0.0
+
+    def then(self, attempt: Attempt, position: Vector3) -> "_Past":
+        """The next tick, after this one's velocities have gone on until then."""
+        mine, dt = self.attempt, (attempt.now_ns - self.attempt.now_ns) * 1e-9
+        wish = norm(mine.desired)
+        made = sum(d * (e - s) for d, s, e in zip(mine.desired, self.position, position, strict=True))
+        along = self.along + (made / wish if wish > 0.0 else 0.0)
+        desired, sent = moved(self.desired, mine.desired, dt), moved(self.sent, mine.sent, dt)
+        return _Past(attempt, position, desired, sent, along)
 
 
 def side_words(side: str) -> str:
@@ -58,7 +80,7 @@ class Standstill:
     """
 
     def __init__(self) -> None:
-        self._past: deque[tuple[Attempt, Vector3]] = deque()
+        self._past: deque[_Past] = deque()
         self._bound = ""  # the obstacle that bound last while there was no progress
 
     def step(self, attempt: Attempt, state: RobotState | None, state_age_ns: int) -> str:
@@ -75,49 +97,33 @@ class Standstill:
             return ""
         self._bound = attempt.binding or self._bound
         past = self._past
-        past.append((attempt, state.position))
-        while len(past) > 1 and attempt.now_ns - past[1][0].now_ns >= WINDOW_NS:
+        now = past[-1].then(attempt, state.position) if past else _Past(attempt, state.position)
+        past.append(now)
+        while len(past) > 1 and attempt.now_ns - past[1].attempt.now_ns >= WINDOW_NS:
             past.popleft()
-        if attempt.now_ns - past[0][0].now_ns < WINDOW_NS:
+        first = past[0]
+        if attempt.now_ns - first.attempt.now_ns < WINDOW_NS:
             return ""
-        wanted = self._way(_DESIRED)
-        enough = PROGRESS * wanted
-        if wanted < LEAST_WAY or math.dist(past[0][1], state.position) >= enough or self._along() >= enough:
+        wanted, sent = math.dist(first.desired, now.desired), math.dist(first.sent, now.sent)
+        made = max(math.dist(first.position, state.position), now.along - first.along)
+        if wanted < LEAST_WAY or made >= PROGRESS * wanted:
             self._bound = attempt.binding
             return ""
-        return self._holder(state, follows=self._way(_SENT) <= 2 * enough)
-
-    def _way(self, velocity: Callable[[Attempt], Vector3]) -> float:
-        """Length of the way that a velocity makes over the window (m)."""
-        x = y = z = 0.0
-        for (attempt, _), (after, _) in pairwise(self._past):
-            dt = (after.now_ns - attempt.now_ns) * 1e-9
-            u, v, w = velocity(attempt)
-            x, y, z = x + u * dt, y + v * dt, z + w * dt
-        return math.hypot(x, y, z)
-
-    def _along(self) -> float:
-        """The way made along what was wanted at each tick (m): a robot that turned back at a target made some."""
-        total = 0.0
-        for (attempt, start), (_, end) in pairwise(self._past):
-            wish = math.hypot(*attempt.desired)
-            if wish > 0.0:
-                total += sum(d * (e - s) for d, s, e in zip(attempt.desired, start, end, strict=True)) / wish
-        return total
+        return self._holder(state, follows=sent <= 2 * PROGRESS * wanted)
 
     def _holder(self, state: RobotState, *, follows: bool) -> str:
         """Who holds it: the robot's own limits, an obstacle, another reason of the filter."""
         if state.held_by:
             return f"the robot: {state.held_by}"
-        guarded = self._past[-1][0].guarded
+        guarded = self._past[-1].attempt.guarded
         if guarded and not follows:
             return f"the robot's guard, which keeps {guarded}"
         if self._bound:
-            side = self._past[-1][0].free_side
+            side = self._past[-1].attempt.free_side
             return f"obstacle {self._bound!r}" + (
                 f"; the way round is free {side_words(side)}" if side else ""
             )
-        reason = next((a.reason for a, _ in reversed(self._past) if a.reason), "")
+        reason = next((past.attempt.reason for past in reversed(self._past) if past.attempt.reason), "")
         if reason:
             return reason
         return (

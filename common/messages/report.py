@@ -41,7 +41,7 @@ class ControlReport(Message, frozen=True, kw_only=True):
         inflation: radius inflation of the nearest obstacle: the law's, and what the lag adds to it (m).
         margin_parts: named parts of the margin (m); `lag` is what a body that trails behind its prediction costs.
         rtt, rtt_mean, rtt_std: network round trip, newest and over the window (s).
-        loss: fraction of commands or states known to be lost.
+        loss: fraction of the states of the last seconds that never came; None: not known yet.
         age: age of the oldest unanswered command (s).
         state_age: time since the last state arrived (s).
         status: the solver's status.
@@ -83,7 +83,7 @@ class ControlReport(Message, frozen=True, kw_only=True):
     rtt: Real | None
     rtt_mean: Real | None
     rtt_std: Real | None
-    loss: Real
+    loss: Real | None
     age: Real
     state_age: Real
     status: Name

@@ -51,6 +51,14 @@ GuardOption = Annotated[
         metavar="on|off", help="The guard that keeps the whole robot clear (default: scenario's, on)."
     ),
 ]
+RateOption = Annotated[
+    float | None,
+    typer.Option(
+        min=1.0,
+        max=500.0,
+        help="Commands a second (default: 50 where a person steers, else the scenario's, 10).",
+    ),
+]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", help="Replace a setting of the scenario, e.g. --set robot.lag=0.3."),
@@ -98,7 +106,12 @@ _KINDS: dict[str, tuple[str, Kinds[Any]]] = {
 
 
 def chosen_scenario(
-    name: str, settings: list[str] | None, *, guard: str | None = None, **kinds: str | None
+    name: str,
+    settings: list[str] | None,
+    *,
+    guard: str | None = None,
+    rate: float | None = None,
+    **kinds: str | None,
 ) -> "Scenario":
     """The scenario with the options' replacements, judged together.
 
@@ -106,6 +119,7 @@ def chosen_scenario(
         name: of the scenario, or its file.
         settings: KEY=VALUE, as said with --set; these go before the kinds.
         guard: what --guard says: on, off; None: nothing.
+        rate: what --rate says (Hz); None: nothing.
         kinds: what --margin, --predictor, --solver and --steer say; None: nothing.
 
     Raises:
@@ -126,8 +140,20 @@ def chosen_scenario(
         if guard not in ("on", "off"):
             raise InputError(f"--guard {guard!r}: must be on or off")
         replaced["guard.on"] = guard == "on"
+    if rate is not None:
+        replaced["operator.rate_hz"] = rate
     replaced.update(parse_setting(setting) for setting in settings or [])
-    return replace_settings(load_scenario(name), replaced)
+    return at_the_rate_of_its_device(replace_settings(load_scenario(name), replaced))
+
+
+def at_the_rate_of_its_device(scenario: "Scenario") -> "Scenario":
+    """The scenario, decided as often as what steers it asks for, where it says no rate itself; raises InputError."""
+    from farhand.runs.scenario import replace_setting
+
+    rate_hz = DEVICES.get(scenario.steering.kind, "steering.kind").rate_hz
+    if rate_hz is None or scenario.operator.rate_hz is not None:
+        return scenario
+    return replace_setting(scenario, "operator.rate_hz", rate_hz)
 
 
 def _recording(steer: str) -> str:

@@ -12,6 +12,7 @@ from farhand.commands.options import (
     ListenOption,
     MarginOption,
     PredictorOption,
+    RateOption,
     RealtimeOption,
     RobotOption,
     RouterOption,
@@ -36,6 +37,7 @@ def operator(
     predictor: PredictorOption = None,
     solver: SolverOption = None,
     steer: SteerOption = None,
+    rate: RateOption = None,
     settings: SetOption = None,
     report: Annotated[
         str,
@@ -73,7 +75,7 @@ def operator(
     from farhand.programs.operator import OperatorOptions, operator_program
 
     chosen = chosen_scenario(
-        scenario, settings, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario, settings, rate=rate, margin=margin, predictor=predictor, solver=solver, steer=steer
     )
     check_writable(result, "--result")
     options = OperatorOptions(

@@ -13,6 +13,7 @@ from farhand.commands.options import (
     MarginOption,
     NetworkOption,
     PredictorOption,
+    RateOption,
     ScenarioOption,
     SeedOption,
     SetOption,
@@ -57,6 +58,7 @@ def demo(
     solver: SolverOption = None,
     steer: DemoSteerOption = None,
     camera: DemoCameraOption = None,
+    rate: RateOption = None,
     guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
@@ -82,7 +84,14 @@ def demo(
     if camera is not None and check_camera(camera, may_be_off=True) != OFF and not browser:
         raise InputError("--camera: is for who drives in a browser; it goes with --steer browser")
     chosen = chosen_scenario(
-        scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario,
+        settings,
+        guard=guard,
+        rate=rate,
+        margin=margin,
+        predictor=predictor,
+        solver=solver,
+        steer=steer,
     )
     if camera is None:
         camera = VIEW if browser and chosen.robot.kind in ("arm", "ur5") else OFF
@@ -106,6 +115,7 @@ def simulate(
     predictor: PredictorOption = None,
     solver: SolverOption = None,
     steer: SteerOption = None,
+    rate: RateOption = None,
     guard: GuardOption = None,
     settings: SetOption = None,
     seed: SeedOption = 0,
@@ -123,7 +133,14 @@ def simulate(
     from farhand.runs.run import Run
 
     chosen = chosen_scenario(
-        scenario, settings, guard=guard, margin=margin, predictor=predictor, solver=solver, steer=steer
+        scenario,
+        settings,
+        guard=guard,
+        rate=rate,
+        margin=margin,
+        predictor=predictor,
+        solver=solver,
+        steer=steer,
     )
     run = Run(
         scenario=chosen,

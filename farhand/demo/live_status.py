@@ -30,6 +30,7 @@ REFRESH_HZ = 10
 LINE_PERIOD = 2.0
 SILENT_LINE_PERIOD = 10.0
 TRAIL = 30
+TRAIL_NS = 90_000_000
 _BARS = "▁▂▃▄▅▆▇█"
 
 
@@ -76,7 +77,7 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
     bar = _bar(report, live=not robot_style)
     grid.add_row("targets", bar, "", of_robot(f"{report.target_index} of {report.target_count}"))
     trip = f"{milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms"
-    grid.add_row("round trip", of_robot(trip), "lost", of_robot(f"{report.loss * 100:.1f} %"))
+    grid.add_row("round trip", of_robot(trip), "lost", of_robot(_percent(report.loss)))
     rate = report.state_rate if shown.robot is Freshness.LIVE else 0.0
     grid.add_row("margin", own(margin_text(report)), "states", of_robot(f"{rate:.0f} /s"))
     nearest, least = _mm(report.clearance), _mm(report.min_clearance)
@@ -108,6 +109,10 @@ def margin_text(report: ControlReport) -> str:
 
 def _mm(value: float | None) -> str:
     return "–" if value is None else f"{value * 1e3:.0f} mm"
+
+
+def _percent(value: float | None) -> str:
+    return "–" if value is None else f"{value * 100:.1f} %"
 
 
 def sparkline(values: list[float], width: int = 30) -> str:
@@ -188,6 +193,7 @@ class StatusView:
         self._title, self._console = title, console
         self._trail: deque[float] = deque(maxlen=TRAIL)
         self._hearing = Hearing()
+        self._trail_ns: int | None = None  # of its newest value, on the operator's clock
         self._live: Live | None = None
         self._start_ns: int | None = None
         self._clock = 0.0
@@ -222,7 +228,7 @@ class StatusView:
         for arrived in reports:
             self._guard = arrived.report.guard or self._guard
             if self._hearing.take(arrived.report, arrived.at_ns) and arrived.report.clearance is not None:
-                self._trail.append(arrived.report.clearance)
+                self._note(arrived.report.clearance, arrived.report.t_sent_ns)
         shown = self._hearing.picture(now_ns, connected)
         elapsed = (now_ns - self._start_ns) * 1e-9
         if shown.running:
@@ -235,6 +241,13 @@ class StatusView:
             if report is not None:
                 report, self._guard = msgspec.structs.replace(report, guard=self._guard), None
             self._console.print(line(report, shown, elapsed), highlight=False, markup=False, soft_wrap=True)
+
+    def _note(self, clearance: float, sent_ns: int) -> None:
+        """A value of the chart each TRAIL_NS, however many reports there are."""
+        last_ns = self._trail_ns
+        if last_ns is None or not 0 <= sent_ns - last_ns < TRAIL_NS:
+            self._trail.append(clearance)
+            self._trail_ns = sent_ns
 
     def _is_due(self, shown: Picture, now_ns: int) -> bool:
         """Whether a line is to be printed: at each change, every 2 s while all is live, else every 10 s."""

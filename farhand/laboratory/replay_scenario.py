@@ -49,8 +49,8 @@ def scenario_of(run: RecordedRun, path: Path, settings: dict[str, object]) -> Sc
         InputError: a setting makes no sense in a replay, or a kind that decided is not installed.
     """
     for key in settings:
-        if key == "controller.period":
-            raise InputError("--set controller.period: a replay keeps the instants of the recorded ticks")
+        if key in ("controller.period", "operator.rate_hz"):
+            raise InputError(f"--set {key}: a replay keeps the instants of the recorded ticks")
         if not any(key == section or key.startswith(f"{section}.") for section in SECTIONS):
             raise InputError(
                 f"--set {key}: has no influence on decisions in a replay; can be of {', '.join(SECTIONS)}"
@@ -61,10 +61,24 @@ def scenario_of(run: RecordedRun, path: Path, settings: dict[str, object]) -> Sc
     }
     if run.info.solver:
         table.setdefault("controller", {})["solver"] = run.info.solver
+    _say_windows_in_seconds(table)
     _put_in_place(table, settings)
     _leave_out_what_is_not_replayed(table)
     _check_installed(table, path)
     return replace_settings(scenario_from_table(table, f"of run {path}"), settings)
+
+
+def _say_windows_in_seconds(table: dict[str, Any]) -> None:
+    """Recordings of before have the margin's windows in ticks."""
+    margin = table.get("margin")
+    if not isinstance(margin, dict):
+        return
+    margin = table["margin"] = dict(margin)
+    period = table.get("controller", {}).get("period", 0.1)
+    for name in ("rtt", "innovation"):
+        ticks = margin.pop(f"{name}_window", None)
+        if ticks is not None:
+            margin[f"{name}_span"] = ticks * period
 
 
 def _put_in_place(table: dict[str, Any], settings: dict[str, object]) -> None:

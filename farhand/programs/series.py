@@ -4,7 +4,7 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 LIMIT = 32_768
-"""At 10 Hz the first 54 minutes are kept as they are."""
+"""At 10 Hz the first 54 minutes are kept as they are, at 50 Hz the first 11."""
 
 
 class Series(Generic[T]):

@@ -25,6 +25,7 @@ from farhand.operator_side.control.registry import CONTROLLERS, SOLVERS
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.margins.settings import MarginSettings
+from farhand.operator_side.pace import is_whole
 from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.operator_side.settings import OperatorSettings
 from farhand.operator_side.steering.registry import DEVICES
@@ -241,6 +242,12 @@ def _check_sense(scenario: Scenario, where: str) -> None:
         raise ScenarioError(
             f"scenario {where}: controller.angular_limit: {scenario.controller.angular_limit:g} rad/s is above "
             f"safety.max_angular_speed, {safety.max_angular_speed:g} rad/s, beyond which the robot refuses commands"
+        )
+    rate_hz, step = scenario.operator.rate_hz, scenario.controller.period
+    if rate_hz is not None and not is_whole(rate_hz, step):
+        raise ScenarioError(
+            f"scenario {where}: operator.rate_hz: controller.period, {step:g} s, is no whole number of ticks at "
+            f"{rate_hz:g} Hz; {max(1, round(rate_hz * step)) / step:g} Hz would do"
         )
     if safety.stop_timeout < safety.command_timeout:
         raise ScenarioError(

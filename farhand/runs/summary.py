@@ -9,6 +9,7 @@ import msgspec
 
 from farhand.common.messages.base import SafetyMode
 from farhand.common.result_file import write_whole
+from farhand.operator_side.pace import pace_of
 from farhand.operator_side.result import OperatorResult
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.robot_side.result import GuardedPair, RobotResult
@@ -162,7 +163,7 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
         nearest_part=robot.nearest_part,
         nearest_to_arm=robot.nearest_to_arm,
         guard_pairs=robot.guard_pairs,
-        period=scenario.controller.period,
+        period=pace_of(scenario).tick,
         acknowledges_itself=DEVICES.get(scenario.steering.kind, "steering.kind").acknowledges_itself,
         counts=results.counts(),
     )

@@ -15,7 +15,7 @@ class ControllerSettings(KindSection, frozen=True, kw_only=True):
         kind: which controller.
         solver: which solver for `mpc-cbf`.
         horizon: N, steps.
-        period: dt, s; also the period of the operator's tick.
+        period: dt, a step of the plan, s; the operator's tick, too, where `operator.rate_hz` asks for no other.
         q, r, p, s: weights of tracking, effort, terminal tracking, smoothness.
         p_omega: weight of the relaxation of the decay rate.
         gamma: decay rate of the discrete barrier, in (0, 1].

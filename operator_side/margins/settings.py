@@ -12,10 +12,10 @@ class MarginSettings(KindSection, frozen=True, kw_only=True):
 
     Attributes:
         kind: which law.
-        rtt_window: samples of the round-trip statistics.
-        innovation_window: samples of the innovation maximum.
+        rtt_span: time of the round-trip statistics (s); one command a tick is a sample, 30 at the paper's 10 Hz.
+        innovation_span: time of the innovation maximum (s).
     """
 
     kind: str = "adaptive"
-    rtt_window: Annotated[int, Meta(ge=2, le=10_000)] = 30
-    innovation_window: Annotated[int, Meta(ge=1, le=100_000)] = 100
+    rtt_span: Annotated[float, Meta(gt=0, le=1000)] = 3.0
+    innovation_span: Annotated[float, Meta(gt=0, le=10_000)] = 10.0

@@ -9,7 +9,9 @@ from farhand.operator_side.margins.lag import radii_for_lag, trails_that_fit
 SLOWEST = 0.1
 """Share of the speed that is always left."""
 STEP = 1.1
-"""By how much the pace changes in a tick."""
+"""By how much the pace changes in TICK."""
+TICK = 0.1
+"""s."""
 BLOCKED = 0.3
 """Share of the wanted speed below which the way counts as blocked."""
 WORTH_SLOWING = 0.01
@@ -24,9 +26,11 @@ class Trail:
     Args:
         speed_limit: u_b for each axis (m/s).
         lag: of the robot (s), above 0.
+        tick: from one command to the next (s).
     """
 
-    def __init__(self, speed_limit: Vector3, lag: float) -> None:
+    def __init__(self, speed_limit: Vector3, lag: float, tick: float = TICK) -> None:
+        self._change = STEP ** (tick / TICK)
         self._lag = lag
         self._fastest = norm(speed_limit)
         self._slowest = SLOWEST * min(speed_limit)
@@ -64,4 +68,6 @@ class Trail:
     def learn(self, desired: Array, velocity: Array, part: float) -> None:
         """Look at what became of a tick: the desired and the commanded velocity (m/s), the lag part (m)."""
         held_up = part > WORTH_SLOWING and norm(velocity) < BLOCKED * norm(desired)
-        self._pace = max(SLOWEST, self._pace / STEP) if held_up else min(1.0, self._pace * STEP)
+        self._pace = (
+            max(SLOWEST, self._pace / self._change) if held_up else min(1.0, self._pace * self._change)
+        )

@@ -1,6 +1,6 @@
 """What was sent: the operator's memory of its own commands, and what the robot does with each of them.
 
-The robot applies a command's velocity for one period, then plays out its plan one period an entry, then
+The robot applies a command's velocity for one period of its plan, then plays out the plan one period an entry, then
 stands. All vectors are plain tuples in the base frame (m, m/s): this runs for every tick of thousands of
 simulated tasks.
 """
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from farhand.common.messages.base import ZERO, Vector3
 
 KEPT = 256
+"""Commands, where nothing else is said."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +56,14 @@ class SentCommand:
 
 
 class CommandHistory:
-    """The last commands of this session, by sequence number."""
+    """The last commands of this session, by sequence number.
 
-    def __init__(self) -> None:
+    Args:
+        kept: how many.
+    """
+
+    def __init__(self, kept: int = KEPT) -> None:
+        self._kept = kept
         self._commands: OrderedDict[int, SentCommand] = OrderedDict()
 
     def add(
@@ -78,7 +84,7 @@ class CommandHistory:
         self._commands[seq] = SentCommand(
             seq, t_sent_ns, period, velocities, tuple(travelled), predicted, angular
         )
-        if len(self._commands) > KEPT:
+        if len(self._commands) > self._kept:
             self._commands.popitem(last=False)
 
     def get(self, seq: int) -> SentCommand | None:

@@ -40,7 +40,7 @@ class Known:
     Attributes:
         history: the commands sent.
         session: this operator's session.
-        period: of the operator's tick and of plans (s).
+        period: of the operator's tick (s); a plan's own may be a multiple, see SentCommand.
         lag: of the robot's velocity response, as the robot says (s).
     """
 

@@ -9,9 +9,10 @@ from farhand.operator_side.prediction.law import Prediction, StatePredictor, mov
 class Timeline(StatePredictor):
     """The state says: command s applied, held for h.
 
-    In the j-th period after s took effect the robot runs command s + j; where that was never sent, or in the
-    period j0 = floor(h / period) under way, it plays on the newest plan that it has. Commands that were due by
-    then and are not echoed count as lost. `spread` is the largest difference that further losses could make.
+    In the j-th tick after s took effect the robot runs command s + j; where that was never sent, or in the
+    tick j0 = floor(h / period) under way, it plays on the newest plan that it has, of which a step is a whole
+    number of ticks. Commands that were due by then and are not echoed count as lost. `spread` is the largest
+    difference that further losses could make.
     """
 
     knows_plan = True
@@ -38,7 +39,7 @@ class Timeline(StatePredictor):
                 playing = command
                 branches.append(shifted(z, command.displacement((last - j) * period)))
             duration = period if j > under_way else (under_way + 1) * period - held
-            entry = j - (playing.seq - applied.seq)
+            entry = (j - (playing.seq - applied.seq)) // round(playing.period / period)
             velocity = playing.velocity(entry)
             z, body = moved(z, velocity, duration), known.followed(body, velocity, duration)
             orientation = turning_for(orientation, playing.turning(entry), duration)

@@ -63,6 +63,7 @@ class SteeringDevice(ABC):
     Attributes:
         Settings: the type of its own settings, read from the table `[steering.NAME]`.
         acknowledges_itself: whether it clears latched stops without a person, which is said to people.
+        rate_hz: at which it is read where nobody asks for another rate; None: at the scenario's. A hand feels 100 ms.
         ends_with_targets: whether the operator's program ends with the last target; a person decides that alone.
         over: whether it has nothing more to ask, ever: the program ends.
     """
@@ -71,6 +72,7 @@ class SteeringDevice(ABC):
     acknowledges_itself: ClassVar[bool] = False
     ends_with_targets: ClassVar[bool] = True
     over: bool = False
+    rate_hz: ClassVar[float | None] = None
 
     def __init__(self, settings: Any = None) -> None:
         self.settings = settings

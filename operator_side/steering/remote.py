@@ -45,6 +45,7 @@ class Remote(SteeringDevice):
 
     Settings: ClassVar[type[Section]] = RemoteSettings
     ends_with_targets: ClassVar[bool] = False
+    rate_hz: ClassVar[float | None] = 50.0
 
     def __init__(self, settings: Any = None) -> None:
         super().__init__(settings or RemoteSettings())

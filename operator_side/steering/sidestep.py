@@ -18,6 +18,8 @@ PAST = 0.05
 """A step ends this far beyond its start, along the way that was wanted there (m)."""
 LONGEST_NS = 15_000_000_000
 """After this long the other side is tried."""
+GROW_NS = 90_000_000
+"""Who stands all the same turns by STEP more, and not sooner again than after this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +67,8 @@ class Progress:
 
 @dataclass(slots=True)
 class _Step:
-    """The step under way: its start, what was wanted there, the side, its unit vector, the angle (rad), since when."""
+    """The step under way: its start, what was wanted there, the side, its unit vector, the angle (rad), since when, and
+    when the angle grew last because the robot stood."""
 
     start: Vector3
     wanted: Vector3
@@ -73,6 +76,7 @@ class _Step:
     across: Vector3
     angle: float
     since_ns: int
+    grown_ns: int = 0
 
 
 class Sidestep:
@@ -107,6 +111,9 @@ class Sidestep:
             step.across = towards(step.wanted, step.side)
         turned = turned_towards(wanted, step.across, step.angle)
         stuck = self._stuck.lacking(turned, instant.velocity, instant.now_ns)
+        stuck = stuck and instant.now_ns - step.grown_ns >= GROW_NS
+        if stuck:
+            step.grown_ns = instant.now_ns
         step.angle = self._adjusted(step, wanted, instant.free, stuck=stuck)
         return turned_towards(wanted, step.across, step.angle)
 

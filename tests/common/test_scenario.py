@@ -111,7 +111,7 @@ def test_errors_name_the_key_and_are_one_line(old, new, key):
         ("controller.speed_limit", [0.3, 0.3], "controller.speed_limit"),
         ("controller.p_omega", 10**400, "controller.p_omega"),
         ("margin.kind", "wide", "margin.kind"),
-        ("margin.rtt_window", 1, "margin.rtt_window"),
+        ("margin.rtt_span", 0, "margin.rtt_span"),
         ("steering.tester.far", 0.1, "steering.tester: far, 0.1 m, must be larger than near"),
         ("steering.tester.speed", 0.1, "steering.tester: object contains unknown field `speed`"),
         ("steering.mouse.far", 0.1, "steering.mouse"),

@@ -8,6 +8,7 @@ from typing import Any
 import zenoh
 
 from farhand.common.timing.clock import SystemClock, to_ns
+from farhand.operator_side.pace import pace_of
 from farhand.runs.scenario import Scenario
 from farhand.site.doctor.network import Finding
 
@@ -73,7 +74,7 @@ def judge_path(answers: Answers, scenario: Scenario) -> list[Finding]:
         return [*findings, Finding("good", "loss", found)]
     # Both ways share the loss; the robot holds when every command within its timeout is lost.
     one_way = 1.0 - (1.0 - lost) ** 0.5
-    period = scenario.controller.period
+    period = pace_of(scenario).tick
     in_a_row = max(1, int(safety.command_timeout / period))
     holds = 60.0 / period * one_way**in_a_row * (1.0 - one_way)
     found += f"; about {holds:.2g} holds a minute from it"

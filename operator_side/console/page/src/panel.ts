@@ -79,7 +79,7 @@ export class Panel {
     const { report } = told;
     const lost = told.locked !== "" || told.age === null;
     const trip = report?.rtt_mean ?? null;
-    const word = lost ? "lost" : !report || trip === null ? "–" : trip > 0.15 || report.loss > 0.05 ? "slow" : "good";
+    const word = lost ? "lost" : !report || trip === null ? "–" : trip > 0.15 || (report.loss ?? 0) > 0.05 ? "slow" : "good";
     put("link", word);
     const name = `big word ${word}`;
     if (element("link").className !== name) element("link").className = name;
@@ -87,7 +87,7 @@ export class Panel {
     put(
       "numbers",
       report && told.state
-        ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms\nloss ${(report.loss * 100).toFixed(1)} %`
+        ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms\nloss ${report.loss === null ? "–" : `${(report.loss * 100).toFixed(1)} %`}`
         : "nothing heard",
     );
   }

@@ -34,7 +34,7 @@ export interface Report {
   margin_parts: Record<string, number>;
   rtt_mean: number | null;
   rtt_std: number | null;
-  loss: number;
+  loss: number | null;
   binding: string;
   target_index: number;
   target_count: number;
