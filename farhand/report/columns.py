@@ -34,7 +34,7 @@ class NamedParts:
     """Columns whose names come with the rows; what a row does not name is zero in it."""
 
     def __init__(self) -> None:
-        self._columns: "dict[str, array[float]]" = {}
+        self._columns: dict[str, array[float]] = {}
         self._rows = 0
 
     def add(self, row: dict[str, float]) -> None:

@@ -52,11 +52,16 @@ class Deeds:
     def __init__(self) -> None:
         self._filtered: _Timed[_Filtered] = _Timed()
         self._guarded: _Timed[Intervention] = _Timed()
+        self._drove = 1 << 63, 0
+        self._done = False
         self._mode: str | None = None
         self._modes: list[Happening] = []
 
     def tick(self, report: ControlReport, now_ns: int) -> None:
         """Note a tick."""
+        if report.mode == "run":
+            self._drove = min(self._drove[0], now_ns), now_ns
+        self._done = 0 < report.target_count <= report.target_index and report.safety in ("run", "hold")
         if report.guard is not None:
             self._guarded.add(now_ns, report.guard)
         if not (report.intervening and report.mode == "run"):
@@ -99,12 +104,18 @@ class Deeds:
             self._modes.append(Happening(state.mode, told, now_ns, now_ns))
 
     def explain(self, happenings: list[Happening]) -> None:
-        """Say in each of them what was done, and add the robot's own; they stay in the order of their beginnings."""
+        """Say in each of them what was done, and add the robot's own; they stay in the order of their beginnings.
+
+        What the operator's side waited for before it first drove, and at the end of a task that was done, is no stop.
+        """
+        first, last = self._drove
         for each in happenings:
             if each.kind == "filter":
                 self._explain_filter(each)
             elif each.kind == "guard":
                 self._explain_guard(each)
+            elif each.kind == "stop" and (each.began_ns < first or (self._done and each.began_ns > last)):
+                each.kind = "wait"
         for each in self._modes:
             each.facts.setdefault("mode", each.kind)
             each.kind = "stop"

@@ -219,7 +219,7 @@ def period_of(story: Story) -> float | None:
 
 
 def lateness(story: Story) -> tuple[Array, Array]:
-    """(m,) instants and by how much each tick came later than a period after the one before (s), where both are there."""
+    """(m,) instants, and by how much each tick came later than a period after the one before (s); both are there."""
     period, t = period_of(story), story.ticks["t"]
     if period is None or len(t) < 2:
         return np.zeros(0), np.zeros(0)
@@ -293,4 +293,5 @@ def _loss(story: Story) -> float | None:
 def _changes(values: Array) -> Array:
     """Each measured value once: it stays in the reports until there is a newer one."""
     known = values[np.isfinite(values)]
-    return known[np.diff(known, prepend=np.nan) != 0.0]
+    new: Array = known[np.diff(known, prepend=np.nan) != 0.0]
+    return new

@@ -38,7 +38,7 @@ def additive(story: Story) -> tuple[dict[str, Array], bool]:
 
 
 def coverage(story: Story) -> float | None:
-    """Share of the ticks with a state in which the prediction's newest error was within the margin; None: there are none."""
+    """Share of the ticks with a state in which the prediction's newest error was within the margin; None: no tick."""
     seen = story.ticks["seen"] > 0
     if not seen.any():
         return None

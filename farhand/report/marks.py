@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from html import escape
 
 from farhand.foxglove.happenings import Happening
-from farhand.report.svg import INNER, LEFT, RIGHT, WIDTH
 from farhand.report.story import Story
+from farhand.report.svg import INNER, LEFT, RIGHT, WIDTH
 
 KINDS = {
     "filter": "the filter on the operator's side",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from farhand.common.geometry import Array
 from farhand.report import charts, marks, space, tables, words
 from farhand.report.evidence import Evidence
 from farhand.report.figures import Figures, figures_of
@@ -118,12 +119,13 @@ class Page:
 
 
 _ABOUT_CLEARANCE = (
-    "As the robot measured it and told it in its states, at the instant of their arrival. What is higher than the axis is "
-    "drawn at its edge. Coloured bands: something happened, told in the row below the chart and in the table further down."
+    "As the robot measured it and told it in its states, at the instant of their arrival. What is higher than the "
+    "axis is drawn at its edge. Coloured bands: something happened, told in the row below the chart and in the table "
+    "further down."
 )
 _ABOUT_MARGIN = (
-    "What is kept beyond the limit for the sake of network and prediction. It holds as long as the error of the prediction "
-    "stays below it."
+    "What is kept beyond the limit for the sake of network and prediction. It holds as long as the error of the "
+    "prediction stays below it."
 )
 _ABOUT_TIMING = (
     "When the operator's ticks began, against a period after the one before, and how long the solver took."
@@ -140,15 +142,15 @@ def _head(found: Figures, *, several: bool) -> str:
     )
 
 
-def _path(found: space.Space, corners: np.ndarray, number: int) -> str:  # type: ignore[type-arg]
+def _path(found: space.Space, corners: Array, number: int) -> str:
     views = "".join(
-        f"<figure>{space.seen(found, axes, corners, name)}<figcaption>{name}</figcaption></figure>"
+        f"<figure><figcaption>{name}</figcaption>{space.seen(found, axes, corners, name)}</figure>"
         for name, axes in space.VIEWS
     )
     planes = space.hidden_planes(found)
     said = (
-        "Blue: the tool's centre; square: where it began; green: targets; grey: obstacles where they were last; dashed: what the "
-        "tool's centre must stay out of; circle: where it was nearest."
+        "Blue: the tool's centre; square: where it began; green: targets; grey: obstacles where they were last; "
+        "dashed: what the tool's centre must stay out of; circle: where it was nearest."
     )
     if planes:
         said += (

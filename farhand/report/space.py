@@ -6,6 +6,7 @@ from html import escape
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from farhand.common.geometry import Array
 from farhand.common.shapes.obstacle import Obstacle
@@ -13,20 +14,22 @@ from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.pose import rotation
 from farhand.report.figures import limit_of
 from farhand.report.story import Story
-from farhand.report.svg import joined
+from farhand.report.svg import joined, ticks_of
 from farhand.report.thinning import thinned
 from farhand.runs.scene_drawing import image, outline
 
 VIEWS: tuple[tuple[str, tuple[int, int]], ...] = (
-    ("from above", (0, 1)),
-    ("from the side", (0, 2)),
-    ("along x", (1, 2)),
+    ("from above: x and y", (0, 1)),
+    ("from the front: x and z", (0, 2)),
+    ("from the side: y and z", (1, 2)),
 )
 AXES = "xyz"
 SIDE = 360.0
 PATH_STRETCHES = 700
 APART = 0.5
 """States farther apart than this are not joined (s)."""
+
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,8 @@ class Space:
     """
 
     path: Array
-    begins: Array
-    near: Array
+    begins: Flags
+    near: Flags
     nearest: int | None
     obstacles: Sequence[Obstacle]
     targets: Sequence[tuple[float, float, float]]
@@ -204,16 +207,14 @@ def _places(space: Space, axes: tuple[int, int], points: Any) -> list[str]:
 
 
 def _scale(corners: Array, scale: float, height: float, names: tuple[str, str]) -> list[str]:
-    from farhand.report.svg import ticks_of
-
     (low_a, low_b), (high_a, high_b) = corners.tolist()
     out = []
-    for value in ticks_of(low_a, high_a, 5):
+    for value in ticks_of(low_a, high_a, _ticks((high_a - low_a) * scale)):
         x = (value - low_a) * scale
         out.append(
             f'<text class="tick" x="{x:.1f}" y="{height + 14:.0f}" text-anchor="middle">{value:g}</text>'
         )
-    for value in ticks_of(low_b, high_b, 5):
+    for value in ticks_of(low_b, high_b, _ticks(height)):
         y = height - (value - low_b) * scale
         out.append(f'<text class="tick" x="-5" y="{y + 4:.1f}" text-anchor="end">{value:g}</text>')
     middle = (high_a - low_a) * scale / 2
@@ -222,3 +223,8 @@ def _scale(corners: Array, scale: float, height: float, names: tuple[str, str]) 
     )
     out.append(f'<text class="unit" x="-30" y="6">{names[1]}</text>')
     return out
+
+
+def _ticks(length: float) -> int:
+    """How many numbers find a place along an axis (px)."""
+    return max(2, round(length / 55))

@@ -4,9 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
-import numpy as np
 
-from farhand.common.geometry import Array, norm
+from farhand.common.geometry import norm
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
@@ -14,7 +13,7 @@ from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick, TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
 from farhand.common.recording.reader import RunReader
-from farhand.common.recording.records import TICK, Gap, RunInfo, TickRecord
+from farhand.common.recording.records import Gap, RunInfo, TickRecord
 from farhand.foxglove.happenings import Happening, Happenings
 from farhand.report.columns import Columns, NamedParts
 from farhand.report.deeds import Deeds
@@ -91,10 +90,6 @@ class Story:
     def since(self, instant_ns: int) -> float:
         """An instant of the operator's clock as s since the first tick."""
         return (instant_ns - self.began_ns) * 1e-9
-
-    def breaks(self) -> Array:
-        """(k,) rows of `ticks` before which ticks are missing."""
-        return np.flatnonzero(np.diff(self.ticks["number"]) > 1) + 1
 
 
 def read_story(path: Path) -> Story:

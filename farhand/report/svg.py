@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.report.thinning import highest, thinned
 
-WIDTH, LEFT, RIGHT, TOP, BOTTOM = 760.0, 52.0, 10.0, 8.0, 30.0
+WIDTH, LEFT, RIGHT, TOP, BOTTOM = 760.0, 46.0, 10.0, 18.0, 20.0
 INNER = WIDTH - LEFT - RIGHT
 
 
@@ -68,7 +68,7 @@ class Chart:
             if len(known):
                 found += [float(known.min()), float(known.max())]
         if self.stack and len(self.stack[0].t):
-            found.append(float(sum(np.nan_to_num(each.values) for each in self.stack).max()))  # type: ignore[union-attr]
+            found.append(float(np.sum([np.nan_to_num(each.values) for each in self.stack], axis=0).max()))
         low, high = min(found), max(found)
         if self.top is not None:
             high = min(high, self.top)
@@ -107,7 +107,7 @@ def ticks_of(low: float, high: float, wanted: int) -> list[float]:
     step = 10.0 ** math.floor(math.log10(max(high - low, 1e-12) / wanted))
     step = next((step * k for k in (1, 2, 5) if (high - low) / (step * k) <= wanted), step * 10)
     first = math.ceil(low / step - 1e-9)
-    count = int(math.floor(high / step + 1e-9)) - first + 1
+    count = math.floor(high / step + 1e-9) - first + 1
     return [(first + k) * step + 0.0 for k in range(count)]
 
 
@@ -135,7 +135,8 @@ def drawn(chart: Chart, span: tuple[float, float], limits: tuple[float, float]) 
 
 def legend(chart: Chart) -> str:
     """What the lines and areas are."""
-    keys = [(each.look, each.label) for each in (*chart.lines, *chart.levels, *reversed(chart.stack))]
+    keys = [(line.look, line.label) for line in (*chart.lines, *reversed(chart.stack))]
+    keys += [(level.look, level.label) for level in chart.levels]
     items = "".join(
         f'<li><svg class="key" viewBox="0 0 18 10" aria-hidden="true"><path class="{look}" '
         f'd="{"M0 0H18V10H0Z" if "area" in look else "M0 5H18"}"/></svg>{escape(label)}</li>'
@@ -158,10 +159,8 @@ def _grid(frame: Frame, unit: str) -> str:
         out.append(
             f'<text class="tick" x="{x:.1f}" y="{bottom + 16:g}" text-anchor="middle">{_clock(value)}</text>'
         )
-    out.append(
-        f'<text class="tick" x="{WIDTH - RIGHT:g}" y="{frame.height - 2:g}" text-anchor="end">s</text>'
-    )
-    out.append(f'<text class="unit" x="2" y="{TOP + 4:g}">{escape(unit)}</text>')
+    out.append(f'<text class="tick" x="{LEFT - 6:g}" y="{bottom + 16:g}" text-anchor="end">s</text>')
+    out.append(f'<text class="unit" x="{LEFT - 6:g}" y="9" text-anchor="end">{escape(unit)}</text>')
     out.append(f'<path class="axis" d="M{LEFT:g} {TOP:g}V{bottom:g}H{WIDTH - RIGHT:g}"/>')
     return "".join(out)
 

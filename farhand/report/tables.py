@@ -32,7 +32,7 @@ SAFETY: Sequence[Row] = (
     ("limit", lambda f: mm(f.limit)),
     ("filter", lambda f: _times(f, "filter", "intervened")),
     ("guard", lambda f: _times(f, "guard", "acted")),
-    ("stops and waits", lambda f: _times(f, "stop", "")),
+    ("stops", lambda f: _times(f, "stop", "")),
     ("no progress", lambda f: _times(f, "held", "")),
     ("refusals by the robot", lambda f: _times(f, "refused", "")),
 )

@@ -1,14 +1,17 @@
 """Fewer points for the same picture: of each stretch the least and the largest stay, so that no minimum is lost."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from farhand.common.geometry import Array
+
+Rows = NDArray[np.intp]
 
 STRETCHES = 600
 """As many as a chart has pixels across, about."""
 
 
-def thinned(t: Array, values: Array, span: tuple[float, float], stretches: int = STRETCHES) -> Array:
+def thinned(t: Array, values: Array, span: tuple[float, float], stretches: int = STRETCHES) -> Rows:
     """(m,) rows to be drawn, in order: of each stretch of time those of the least and of the largest value.
 
     Args:
@@ -29,7 +32,7 @@ def thinned(t: Array, values: Array, span: tuple[float, float], stretches: int =
     return np.unique(known[np.concatenate([by_value[first], by_value[last]])])
 
 
-def highest(t: Array, values: Array, span: tuple[float, float], stretches: int = STRETCHES) -> Array:
+def highest(t: Array, values: Array, span: tuple[float, float], stretches: int = STRETCHES) -> Rows:
     """(m,) rows of the largest value of each stretch; see thinned."""
     known = np.flatnonzero(np.isfinite(values))
     if len(known) <= stretches:
