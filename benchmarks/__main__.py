@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("messages", "solver", "operator_tick", "robot_loop", "arm_tick", "netem", "virtual_time")
+NAMES = ("messages", "solver", "operator_tick", "robot_loop", "arm_tick", "netem", "virtual_time", "report")
 
 
 def main() -> int:

@@ -23,6 +23,7 @@ from farhand.programs.command_line import (
 )
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.programs.wiring import OPERATOR_NAME
+from farhand.report.write import conclude_report
 from farhand.runs.conclude import conclude
 from farhand.runs.files import NETEM, OPERATOR, RECORDING, ROBOT
 from farhand.runs.run import Run
@@ -50,6 +51,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
         left = Path(left_in)
         why, note = _run_programs(run, folder, left, stop_event, StatusView(title, console), browser=browser)
         code = conclude(run, folder, console, why=why, as_json=as_json, left_in=left, note=note)
+    conclude_report(folder, console)
     if not as_json and not browser:
         console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
     return 1 if why == INTERRUPTED else code

@@ -11,6 +11,8 @@ MM, MS = 1e3, 1e3
 SHOWN_CLEARANCE = 0.2
 """Higher values are cut off, so that what is near the limit can be seen (m)."""
 GAP_TICKS = 2.5
+AREAS = {"floor": 0, "delay": 0, "innovation": 1, "jitter": 1, "spread": 2, "lag": 3}
+"""Colours of the parts that are known, the same in every run."""
 
 
 def clearance(story: Story, marks: str) -> Chart:
@@ -37,7 +39,7 @@ def margin(story: Story, marks: str) -> Chart:
     parts, largest = additive(story)
     t = story.ticks["t"]
     stack = [
-        Line(_part_label(name, largest), f"area{k % 5}", t, values * MM)
+        Line(_part_label(name, largest), f"area{AREAS.get(name, k % 5)}", t, values * MM)
         for k, (name, values) in enumerate(parts.items())
     ]
     error = np.where(story.ticks["seen"] > 0, story.ticks["error"], np.nan) * MM

@@ -58,7 +58,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
         clearance: the least of the tool's sphere that the robot measured, told by its result or else its states (m).
         arm_clearance: likewise of the whole arm.
         margin_width, margin_parts: in force (m); parts as means of what each added.
-        coverage: share of ticks in which the newest error of the prediction was within the margin.
+        coverage: ticks that are judged, and the share of them in which the newest error of the prediction was within the
+            margin of the tick before.
         prediction_error: (m).
         speed_asked, speed_done: while driving (m/s).
         happened: times and seconds of each kind.
@@ -99,7 +100,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     arm_clearance: float | None
     margin_width: Spread | None
     margin_parts: dict[str, float]
-    coverage: float | None
+    coverage: tuple[int, float] | None
     prediction_error: Spread | None
     speed_asked: Spread | None
     speed_done: Spread | None

@@ -37,9 +37,15 @@ def additive(story: Story) -> tuple[dict[str, Array], bool]:
     return {name: value for name, value in found.items() if value.any()}, True
 
 
-def coverage(story: Story) -> float | None:
-    """Share of the ticks with a state in which the prediction's newest error was within the margin; None: no tick."""
-    seen = story.ticks["seen"] > 0
-    if not seen.any():
+def coverage(story: Story) -> tuple[int, float] | None:
+    """How often the margin held: ticks that are judged, and the share in which it did; None: none can be.
+
+    The newest error of the prediction in a tick is held against the margin of the tick before: that of its own tick may
+    have grown by this very error, and then says nothing.
+    """
+    ticks = story.ticks
+    judged = (np.diff(ticks["number"]) == 1) & (ticks["seen"][:-1] > 0) & (ticks["seen"][1:] > 0)
+    if not judged.any():
         return None
-    return float((story.ticks["error"][seen] <= width_of(story)[seen]).mean())
+    held = ticks["error"][1:] <= width_of(story)[:-1]
+    return int(judged.sum()), float(held[judged].mean())

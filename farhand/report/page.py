@@ -125,7 +125,7 @@ _ABOUT_CLEARANCE = (
 )
 _ABOUT_MARGIN = (
     "What is kept beyond the limit for the sake of network and prediction. It holds as long as the error of the "
-    "prediction stays below it."
+    "prediction stays below what it was a tick before."
 )
 _ABOUT_TIMING = (
     "When the operator's ticks began, against a period after the one before, and how long the solver took."

@@ -57,7 +57,7 @@ class Space:
         points = [self.path, np.asarray(self.targets, dtype=float).reshape(-1, 3)]
         for each in self.obstacles:
             if not isinstance(each.shape, Plane):
-                reach = each.shape.bounding_radius
+                reach = each.shape.bounding_radius + sum(self.around)
                 points.append(np.array(each.position)[None] + np.array([[-reach] * 3, [reach] * 3]))
         every = np.vstack(points)
         if not len(every):

@@ -159,7 +159,7 @@ def _grid(frame: Frame, unit: str) -> str:
         out.append(
             f'<text class="tick" x="{x:.1f}" y="{bottom + 16:g}" text-anchor="middle">{_clock(value)}</text>'
         )
-    out.append(f'<text class="tick" x="{LEFT - 6:g}" y="{bottom + 16:g}" text-anchor="end">s</text>')
+    out.append(f'<text class="tick" x="{LEFT - 18:g}" y="{bottom + 16:g}" text-anchor="end">s</text>')
     out.append(f'<text class="unit" x="{LEFT - 6:g}" y="9" text-anchor="end">{escape(unit)}</text>')
     out.append(f'<path class="axis" d="M{LEFT:g} {TOP:g}V{bottom:g}H{WIDTH - RIGHT:g}"/>')
     return "".join(out)

@@ -39,7 +39,7 @@ SAFETY: Sequence[Row] = (
 MARGIN: Sequence[Row] = (
     ("width: median · 99 % · largest", lambda f: spread_mm(f.margin_width)),
     ("error of the prediction", lambda f: spread_mm(f.prediction_error)),
-    ("coverage: error within the margin", lambda f: _coverage(f)),
+    ("coverage: error within the margin before it", _coverage),
     (
         "parts, mean",
         lambda f: ", ".join(f"{name} {mm(part)}" for name, part in f.margin_parts.items()) or "none",
@@ -60,7 +60,7 @@ TIMING: Sequence[Row] = (
     ("tick late: median · 99 % · largest", lambda f: spread_ms(f.tick_late)),
     ("late ticks, as it counted", lambda f: "unknown" if f.overruns is None else str(f.overruns)),
     ("solver", lambda f: "not measured in virtual time" if f.clock == "virtual" else spread_ms(f.solve)),
-    ("robot's loop late", lambda f: _robot_loop(f)),
+    ("robot's loop late", _robot_loop),
 )
 
 
@@ -146,9 +146,10 @@ def _times(found: Figures, kind: str, did: str) -> str:
 
 
 def _coverage(found: Figures) -> str:
-    if found.coverage is None or found.margin_width is None:
+    if found.coverage is None:
         return "unknown"
-    return f"in {share(found.coverage)} of {found.margin_width.count} ticks"
+    judged, held = found.coverage
+    return f"in {share(held)} of {judged} ticks"
 
 
 def _delay(found: Figures, way: str) -> str:

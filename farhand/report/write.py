@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from rich.console import Console
+
 from farhand.common.errors import InputError
-from farhand.common.process.outputs import check_writable
+from farhand.common.process.outputs import check_writable, survive
 from farhand.common.result_file import write_whole
 from farhand.report.as_json import to_json
 from farhand.report.evidence import read_evidence
@@ -12,10 +14,26 @@ from farhand.report.page import Page
 from farhand.runs.files import REPORT
 
 
-def write_report(run: Path, out: Path) -> Path:
-    """The page of one run; raises InputError where nothing of it can be read, OSError where it cannot be written."""
-    write_whole(out, Page([read_evidence(run)]).html())
+def write_report(folder: Path) -> Path:
+    """The page of a run into its folder; raises InputError where it has no recording, OSError where it has no place."""
+    out = folder / REPORT
+    write_whole(out, Page([read_evidence(folder)]).html())
     return out
+
+
+def conclude_report(folder: Path, console: Console) -> None:
+    """Write the report at the end of a run, which does not depend on it, and say where it is, or why there is none."""
+
+    def tell(line: str) -> None:
+        console.print(line, style="yellow", markup=False, highlight=False)
+
+    try:
+        written = survive(str(folder / REPORT), lambda: write_report(folder), tell)
+    except InputError as error:
+        tell(f"no {REPORT}: {error}")
+        return
+    if written is not None:
+        console.print(f"what happened, on one page: {written}", highlight=False, markup=False, soft_wrap=True)
 
 
 def run_report(runs: Sequence[Path], out: Path | None, as_json: bool) -> int:
