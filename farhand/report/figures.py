@@ -58,8 +58,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
         clearance: the least of the tool's sphere that the robot measured, told by its result or else its states (m).
         arm_clearance: likewise of the whole arm.
         margin_width, margin_parts: in force (m); parts as means of what each added.
-        coverage: ticks that are judged, and the share of them in which the newest error of the prediction was within the
-            margin of the tick before.
+        coverage: ticks that are judged, and the share of them in which the newest error of the prediction was within
+            the margin of the tick before.
         prediction_error: (m).
         speed_asked, speed_done: while driving (m/s).
         happened: times and seconds of each kind.

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.report import charts, marks, space, tables, words
+from farhand.report import charts, marks, rows, space, tables, words
 from farhand.report.evidence import Evidence
 from farhand.report.figures import Figures, figures_of
 from farhand.report.story import Story
@@ -49,7 +49,7 @@ class Page:
         out += [
             marks.definition(_marks(k), marks.bands(each.story, self._span)) for k, each in enumerate(runs)
         ]
-        out.append(_section("In figures", tables.figures(found, tables.SAFETY) + self._guard()))
+        out.append(_section("In figures", tables.figures(found, rows.SAFETY) + self._guard()))
         if len(runs) == 2:
             out.append(_section("Where they differ", tables.differences(runs[0], runs[1])))
         out.append(self._space())
@@ -87,16 +87,16 @@ class Page:
         found = self._figures
         return [
             self._charted("Clearance", charts.clearance, _ABOUT_CLEARANCE, strip=True),
-            self._charted("Margin", charts.margin, _ABOUT_MARGIN) + tables.figures(found, tables.MARGIN),
+            self._charted("Margin", charts.margin, _ABOUT_MARGIN) + tables.figures(found, rows.MARGIN),
             self._charted("Speed", charts.speed, "Of the tool, before and after the filter."),
             self._charted("Turning", charts.turning, ""),
             self._charted("Network", charts.round_trip, ""),
-            self._charted("", charts.loss, "") + tables.figures(found, tables.LINK),
+            self._charted("", charts.loss, "") + tables.figures(found, rows.LINK),
         ]
 
     def _timing(self) -> str:
         chart = self._charted("Timing", lambda story, _: charts.timing(story), _ABOUT_TIMING)
-        return chart + tables.figures(self._figures, tables.TIMING)
+        return chart + tables.figures(self._figures, rows.TIMING)
 
     def _charted(
         self, title: str, make: Callable[[Story, str], Chart | None], about: str, *, strip: bool = False
@@ -111,8 +111,8 @@ class Page:
             chart = made[k]
             if chart is None:
                 return ""
-            row = marks.strip(self._runs[k].story, self._span, _event(k), self._told[k]) if strip else ""
-            return f'{legend(chart)}<div class="wide">{drawn(chart, self._span, limits)}{row}</div>'
+            happened = marks.strip(self._runs[k].story, self._span, _event(k), self._told[k]) if strip else ""
+            return f'{legend(chart)}<div class="wide">{drawn(chart, self._span, limits)}{happened}</div>'
 
         said = f'<p class="said">{escape(about)}</p>' if about else ""
         return _section(title, said + self._panels(panel))
