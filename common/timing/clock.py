@@ -64,6 +64,11 @@ def local_timestamp() -> str:
     return datetime.now().strftime("%Y%m%d-%H%M%S")
 
 
+def local_words(seconds: float) -> str:
+    """Wall-clock time of this host for tables: `2026-01-31 23:59`; takes s since 1970."""
+    return datetime.fromtimestamp(seconds).strftime("%Y-%m-%d %H:%M")
+
+
 def utc_words(epoch_ns: int) -> str:
     """A time of day for people: `2026-01-31 23:59:59 UTC`.
 
