@@ -224,6 +224,8 @@ class _Reading:
         lacking = max(0, promised - story.network.entries) + story.network.unread
         if lacking:
             lines.append(f"what became of {lacking} messages cannot be read: the network's figures lack them")
+        if len(story.network.ways) == 1 or (reader.promised.get("") and not story.network.ways):
+            lines.append("of the network a direction is missing: what describes its messages is damaged")
         if story.untold:
             lines.append(f"{story.untold} happenings beyond the first {MOST_HAPPENINGS} are not told of")
         return lines

@@ -6,6 +6,6 @@ RESULTS = (OPERATOR, NETEM, ROBOT)
 """What the programs leave behind, one each."""
 FIGURE, FIGURE_PDF = "run.png", "run.pdf"
 REPORT = "report.html"
-LOGS = ("operator.log", "netem.log", "robot.log", "record.log")
+LOGS = ("operator.log", "netem.log", "robot.log", "record.log", "console.log")
 RUN_FILES = (SUMMARY, *RESULTS, RECORDING, SCENARIO, FIGURE, FIGURE_PDF, REPORT, *LOGS)
 """Everything that a run leaves in its folder."""
