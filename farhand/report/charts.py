@@ -91,8 +91,10 @@ def loss(story: Story, marks: str) -> Chart:
     return Chart("%", lines, height=120.0, marks=marks, name="loss over time")
 
 
-def timing(story: Story) -> Chart:
-    """How late ticks were and how long the solver took."""
+def timing(story: Story) -> Chart | None:
+    """How late ticks were and how long the solver took; None in virtual time, which measures neither."""
+    if story.info.clock == "virtual":
+        return None
     at, late = lateness(story)
     lines = [Line("tick later than a period after the one before", "line1", at, late * MS)]
     if story.ticks["solve"].any():

@@ -45,7 +45,7 @@ def read_evidence(run: Path) -> Evidence:
     """A run by its folder or its recording alone; raises InputError where nothing can be read."""
     story = read_story(recording_of(run))
     folder = run.resolve() if run.is_dir() else None
-    found = Evidence(name=folder.name if folder is not None else run.name, story=story)
+    found = Evidence(name=_name(run.resolve()), story=story)
     if folder is None:
         found.lacks.append(
             "this is the recording alone: whether the run was safe by the robot's own count, and the robot's loop, "
@@ -55,6 +55,11 @@ def read_evidence(run: Path) -> Evidence:
         _read_summary(found, folder)
     found.lacks = [*story.lacks, *found.lacks]
     return found
+
+
+def _name(run: Path) -> str:
+    """Of the folder, or of the file, with its folder's where all are called the same."""
+    return f"{run.parent.name}/{run.name}" if run.name == RECORDING else run.name
 
 
 def _read_summary(found: Evidence, folder: Path) -> None:

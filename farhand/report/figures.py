@@ -62,7 +62,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
             the margin of the tick before.
         prediction_error: (m).
         speed_asked, speed_done: while driving (m/s).
-        happened: times and seconds of each kind.
+        happened: times and seconds of each kind, as the operator's side was told of them.
+        guard: times and seconds in which the guard acted, by the robot's own count; None: unknown, or it is off.
         round_trip, age, state_age: (s); loss: share of the states between the first and the last that never arrived.
         network: at the emulator, by direction; empty where not recorded.
         period: of a tick (s); tick_late: how much later than a period after the one before (s); solve: (s).
@@ -105,6 +106,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     speed_asked: Spread | None
     speed_done: Spread | None
     happened: dict[str, tuple[int, float]]
+    guard: tuple[int, float] | None
     round_trip: Spread | None
     age: Spread | None
     state_age: Spread | None
@@ -164,6 +166,7 @@ def figures_of(run: Evidence) -> Figures:
         speed_asked=spread(ticks["asked"][driving]),
         speed_done=spread(ticks["done"][driving]),
         happened=_happened(story),
+        guard=(robot.guard_times, robot.guard_seconds) if robot is not None and robot.guarded else None,
         round_trip=spread(_changes(ticks["rtt"])),
         age=spread(ticks["age"][seen]),
         state_age=spread(ticks["state_age"]),
@@ -178,7 +181,7 @@ def figures_of(run: Evidence) -> Figures:
             for name, way in sorted(story.network.ways.items())
         },
         period=period_of(story),
-        tick_late=spread(lateness(story)[1]),
+        tick_late=spread(lateness(story)[1]) if info.clock == "real" else None,
         solve=spread(ticks["solve"][driving]) if ticks["solve"].any() else None,
         overruns=last.overruns if last is not None else None,
         robot_loop=(late.p50, late.p99, late.max) if late is not None else None,
@@ -225,7 +228,8 @@ def lateness(story: Story) -> tuple[Array, Array]:
     if period is None or len(t) < 2:
         return np.zeros(0), np.zeros(0)
     follows = np.diff(story.ticks["number"]) == 1
-    return t[1:][follows], np.maximum(0.0, np.diff(t)[follows] - period)
+    late = np.maximum(0.0, np.round(np.diff(t)[follows] - period, 9))
+    return t[1:][follows], late
 
 
 def _number(story: Story, section: str, key: str) -> float | None:

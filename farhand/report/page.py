@@ -96,7 +96,8 @@ class Page:
 
     def _timing(self) -> str:
         chart = self._charted("Timing", lambda story, _: charts.timing(story), _ABOUT_TIMING)
-        return chart + tables.figures(self._figures, rows.TIMING)
+        table = tables.figures(self._figures, rows.TIMING)
+        return chart + table if chart else _section("Timing", table)
 
     def _charted(
         self, title: str, make: Callable[[Story, str], Chart | None], about: str, *, strip: bool = False

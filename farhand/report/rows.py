@@ -9,11 +9,21 @@ Row = tuple[str, Callable[[Figures], str]]
 
 
 def _times(found: Figures, kind: str, did: str) -> str:
-    times, seconds = found.happened.get(kind, (0, 0.0))
+    return _said(did, *found.happened.get(kind, (0, 0.0)))
+
+
+def _said(did: str, times: int, seconds: float) -> str:
     if not times:
         return "never"
     how = "once" if times == 1 else f"{times} times"
     return f"{did} {how}".strip() + (f", {length(seconds)} in all" if seconds >= 0.05 else "")
+
+
+def _guard(found: Figures) -> str:
+    """By the robot's own count, which sees it at its own rate; else by what its states told."""
+    if found.guard is None:
+        return _times(found, "guard", "acted")
+    return _said("acted", *found.guard)
 
 
 def _coverage(found: Figures) -> str:
@@ -28,6 +38,10 @@ def _delay(found: Figures, way: str) -> str:
     return spread_ms(known.delay) if known is not None else "not recorded"
 
 
+def _tick_late(found: Figures) -> str:
+    return "not measured in virtual time" if found.clock == "virtual" else spread_ms(found.tick_late)
+
+
 def _robot_loop(found: Figures) -> str:
     if found.robot_loop is None:
         return "not measured in virtual time" if found.clock == "virtual" else "unknown"
@@ -36,10 +50,13 @@ def _robot_loop(found: Figures) -> str:
 
 SAFETY: Sequence[Row] = (
     ("clearance of the tool, least", lambda f: mm(f.clearance)),
-    ("clearance of the bare arm, least", lambda f: mm(f.arm_clearance)),
+    (
+        "clearance of the bare arm, least",
+        lambda f: "not computed" if f.arm_clearance is None else mm(f.arm_clearance),
+    ),
     ("limit", lambda f: mm(f.limit)),
     ("filter", lambda f: _times(f, "filter", "intervened")),
-    ("guard", lambda f: _times(f, "guard", "acted")),
+    ("guard", _guard),
     ("stops", lambda f: _times(f, "stop", "")),
     ("no progress", lambda f: _times(f, "held", "")),
     ("refusals by the robot", lambda f: _times(f, "refused", "")),
@@ -65,7 +82,7 @@ LINK: Sequence[Row] = (
 )
 TIMING: Sequence[Row] = (
     ("operator's tick, period", lambda f: ms(f.period)),
-    ("tick late: median · 99 % · largest", lambda f: spread_ms(f.tick_late)),
+    ("tick late: median · 99 % · largest", _tick_late),
     ("late ticks, as it counted", lambda f: "unknown" if f.overruns is None else str(f.overruns)),
     ("solver", lambda f: "not measured in virtual time" if f.clock == "virtual" else spread_ms(f.solve)),
     ("robot's loop late", _robot_loop),

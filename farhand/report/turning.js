@@ -5,7 +5,7 @@ document.querySelectorAll("canvas.turning").forEach((canvas) => {
   const [low, high] = scene.box;
   const middle = low.map((value, k) => (value + high[k]) / 2);
   const reach = Math.hypot(...low.map((value, k) => high[k] - value)) / 2;
-  let turn = -0.9, tilt = 0.5, zoom = 1, held = null;
+  let turn = -0.9, tilt = 0.5, zoom = 0, held = null;
   canvas.closest(".turns").hidden = false;
 
   const look = (name) => getComputedStyle(canvas).getPropertyValue(name).trim();
@@ -34,12 +34,21 @@ document.querySelectorAll("canvas.turning").forEach((canvas) => {
     canvas.height = height * ratio;
     const pen = canvas.getContext("2d");
     pen.scale(ratio, ratio);
-    const size = zoom * 0.48 * Math.min(width, height) / reach;
     const [ct, st, cp, sp] = [Math.cos(turn), Math.sin(turn), Math.cos(tilt), Math.sin(tilt)];
-    const place = (p) => {
+    const flat = (p) => {
       const [x, y, z] = p.map((value, k) => value - middle[k]);
-      const across = ct * x + st * y, deep = -st * x + ct * y;
-      return [width / 2 + size * across, height / 2 - size * (cp * z + sp * deep)];
+      return [ct * x + st * y, cp * z + sp * (-st * x + ct * y)];
+    };
+    const corner = (k) => [0, 1, 2].map((axis) => scene.box[(k >> axis) & 1][axis]);
+    const small = 0.48 * Math.min(width, height) / reach;
+    if (!zoom) {  // as large as all of the box is seen
+      const [across, up] = [0, 1].map((k) => Math.max(...[...Array(8).keys()].map((c) => flat(corner(c))[k])));
+      zoom = 0.47 * Math.min(width / across, height / up) / small;
+    }
+    const size = zoom * small;
+    const place = (p) => {
+      const [across, up] = flat(p);
+      return [width / 2 + size * across, height / 2 - size * up];
     };
     const line = (points, colour, thick) => {
       pen.strokeStyle = colour;
@@ -62,7 +71,6 @@ document.querySelectorAll("canvas.turning").forEach((canvas) => {
     };
     pen.clearRect(0, 0, width, height);
     pen.lineJoin = pen.lineCap = "round";
-    const corner = (k) => [0, 1, 2].map((axis) => scene.box[(k >> axis) & 1][axis]);
     for (let k = 0; k < 8; k++)
       for (const axis of [1, 2, 4])
         if (!(k & axis)) line([corner(k), corner(k | axis)], look("--grid"), 1);
