@@ -1,6 +1,6 @@
 """A recording of an hour, made of a short run's ticks again and again: time and memory of its report.
 
-`python -m benchmarks.report [--quick] [--json FILE]`; quick: two minutes in place of an hour, held to the same rate.
+`python -m benchmarks.report [--quick] [--keep FOLDER] [--json FILE]`
 """
 
 import argparse
@@ -22,7 +22,7 @@ from farhand.common.timing.clock import processor_seconds
 from farhand.foxglove.view import views_of
 from farhand.laboratory.simulation import simulate
 
-TICKS, QUICK = 36_000, 1_200
+TICKS, QUICK = 36_000, 200
 MOST_SECONDS, MOST_BYTES = 20.0, 500e6
 
 
@@ -68,7 +68,7 @@ def main() -> int:
     """Print what was measured; returns 1 where it is more than promised."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path)
-    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--quick", action="store_true", help="to see that it works; the figures mean nothing")
     parser.add_argument("--keep", type=Path, help="folder for the recording, which is made once")
     options = parser.parse_args()
     ticks = QUICK if options.quick else TICKS
@@ -77,15 +77,19 @@ def main() -> int:
         recording = folder / f"{ticks}.mcap"
         if not recording.is_file():
             source = folder / "source.mcap"
-            simulate("ur5-obstacle", network="5g-urban", record_to=source)
+            simulate(
+                "ur5-obstacle",
+                network="5g-urban",
+                record_to=source,
+                time_limit=5.0 if options.quick else 90.0,
+            )
             repeated(source, recording, ticks)
         found = measure(recording)
-    share = ticks / TICKS
     print(f"{ticks} ticks: {', '.join(f'{name} {value:.4g}' for name, value in found.items())}")
     if options.json:
         options.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    slow = found["processor_seconds"] > MOST_SECONDS * max(share, 0.2) or found["peak_bytes"] > MOST_BYTES
-    return 1 if slow else 0
+    slow = found["processor_seconds"] > MOST_SECONDS or found["peak_bytes"] > MOST_BYTES
+    return 1 if slow and not options.quick else 0
 
 
 if __name__ == "__main__":

@@ -171,9 +171,12 @@ def _clock(seconds: float) -> str:
 
 def _path(line: Line, frame: Frame) -> str:
     rows = thinned(line.t, line.values, frame.span)
-    t = line.t[rows]
-    new = np.diff(t, prepend=-math.inf) > line.gap
-    return joined(frame.x(t), frame.y(line.values[rows]), new)
+    if not len(rows):
+        return ""
+    apart = (np.diff(line.t, prepend=line.t[:1]) > line.gap) | np.isnan(line.values)
+    before = np.cumsum(apart)[rows]  # gaps in the line itself, not those that the thinning makes
+    new = np.diff(before, prepend=before[:1]) > 0
+    return joined(frame.x(line.t[rows]), frame.y(line.values[rows]), new.tolist())
 
 
 def joined(x: Array, y: Array, new: Iterable[bool] = ()) -> str:

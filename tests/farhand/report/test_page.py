@@ -5,6 +5,7 @@ import shutil
 from xml.etree import ElementTree
 
 import msgspec
+import numpy as np
 import pytest
 
 from farhand.cli import run
@@ -13,6 +14,7 @@ from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.simulation import simulate
 from farhand.report.evidence import read_evidence
 from farhand.report.page import Page
+from farhand.report.svg import Chart, Line, drawn
 from farhand.runs.summary import write_summary
 
 
@@ -109,3 +111,15 @@ def test_json_is_the_same_for_the_same_run_wherever_it_lies(folder, tmp_path, ca
     assert found["schema"] == "farhand-report-1"
     assert found["runs"][0]["ticks"] == result.summary.ticks
     assert not (folder / "report.html").exists()
+
+
+def test_a_line_is_broken_where_something_is_missing_and_nowhere_else():
+    t = np.arange(0.0, 3600.0, 0.1)
+    values = np.sin(t)
+    whole = drawn(Chart("m", [Line("x", "line0", t, values, gap=0.25)]), (0.0, 3600.0), (-1.0, 1.0))
+    missing = np.delete(np.arange(len(t)), slice(18000, 18010))
+    broken = drawn(
+        Chart("m", [Line("x", "line0", t[missing], values[missing], 0.25)]), (0.0, 3600.0), (-1.0, 1.0)
+    )
+    begins = [re.search(r'class="line0" d="([^"]*)"', each).group(1).count("M") for each in (whole, broken)]
+    assert begins == [1, 2]
