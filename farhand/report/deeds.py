@@ -88,7 +88,7 @@ class Deeds:
 
     def state(self, state: RobotState, now_ns: int) -> None:
         """Note the robot's own mode: times in which it is stopped, or holds after it ran."""
-        told = "" if state.mode == "run" else f"the robot is in {state.mode}: {state.reason}"
+        told = "" if state.mode == "run" else _mode_words(state)
         if self._mode is None and state.mode == "hold":
             return  # nobody has driven it yet
         self._mode = state.mode
@@ -99,14 +99,14 @@ class Deeds:
                 return
             last.seen_ns = now_ns
             last.facts["mode"] = last.kind
-            last.kind = "stop"
         if told:
             self._modes.append(Happening(state.mode, told, now_ns, now_ns))
 
     def explain(self, happenings: list[Happening]) -> None:
         """Say in each of them what was done, and add the robot's own; they stay in the order of their beginnings.
 
-        What the operator's side waited for before it first drove, and at the end of a task that was done, is no stop.
+        What the operator's side waited for before it first drove, and at the end of a task that was done, is a `wait`;
+        when it commanded zero meanwhile, or the robot held, a `hold`; a `stop` is the robot's own, which latches.
         """
         first, last = self._drove
         for each in happenings:
@@ -114,11 +114,14 @@ class Deeds:
                 self._explain_filter(each)
             elif each.kind == "guard":
                 self._explain_guard(each)
-            elif each.kind == "stop" and (each.began_ns < first or (self._done and each.began_ns > last)):
-                each.kind = "wait"
+            elif each.kind == "stop":
+                waited = each.began_ns < first or (self._done and each.began_ns > last)
+                each.kind = "wait" if waited else "hold"
+            elif each.kind == "held":
+                each.kind = "stuck"
         for each in self._modes:
             each.facts.setdefault("mode", each.kind)
-            each.kind = "stop"
+            each.kind = "hold" if each.facts["mode"] == "hold" else "stop"
         happenings.extend(self._modes)
         happenings.sort(key=lambda each: (each.began_ns, each.kind, each.words))
 
@@ -161,6 +164,15 @@ class Deeds:
             "done": f"{nearest.done:.4f}",
             "what": nearest.what,
         }
+
+
+def _mode_words(state: RobotState) -> str:
+    how = {
+        "hold": "the robot holds",
+        "stopped": "the robot stopped",
+        "estop": "the robot is in emergency stop",
+    }
+    return f"{how.get(state.mode, state.mode)}: {state.reason}"
 
 
 def _filter_deed(tick: _Filtered) -> str:

@@ -64,6 +64,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
         speed_asked, speed_done: while driving (m/s).
         happened: times and seconds of each kind, as the operator's side was told of them.
         guard: times and seconds in which the guard acted, by the robot's own count; None: unknown, or it is off.
+        stops: that latched, as the robot counted or last told.
         round_trip, age, state_age: (s); loss: share of the states between the first and the last that never arrived.
         network: at the emulator, by direction; empty where not recorded.
         period: of a tick (s); tick_late: how much later than a period after the one before (s); solve: (s).
@@ -107,6 +108,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     speed_done: Spread | None
     happened: dict[str, tuple[int, float]]
     guard: tuple[int, float] | None
+    stops: int | None
     round_trip: Spread | None
     age: Spread | None
     state_age: Spread | None
@@ -167,6 +169,7 @@ def figures_of(run: Evidence) -> Figures:
         speed_done=spread(ticks["done"][driving]),
         happened=_happened(story),
         guard=(robot.guard_times, robot.guard_seconds) if robot is not None and robot.guarded else None,
+        stops=_stops(run),
         round_trip=spread(_changes(ticks["rtt"])),
         age=spread(ticks["age"][seen]),
         state_age=spread(ticks["state_age"]),
@@ -270,6 +273,13 @@ def _safe(run: Evidence, limit: float | None, clearance: float | None, arm: floa
         return run.summary.safe
     near = limit is not None and clearance is not None and clearance < limit
     return False if near or (arm is not None and arm <= 0.0) else None
+
+
+def _stops(run: Evidence) -> int | None:
+    if run.robot is not None:
+        return run.robot.stops
+    last = run.story.last
+    return last.stops if last is not None and last.states else None
 
 
 def _why(run: Evidence) -> str:

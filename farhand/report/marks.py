@@ -10,8 +10,9 @@ from farhand.report.svg import INNER, LEFT, RIGHT, WIDTH
 KINDS = {
     "filter": "the filter on the operator's side",
     "guard": "the guard on the robot",
-    "stop": "stops",
-    "held": "no progress",
+    "stop": "stops of the robot",
+    "hold": "standing for want of something",
+    "stuck": "no progress",
     "refused": "refusals",
 }
 ROW, LEAST = 14.0, 1.2

@@ -26,6 +26,13 @@ def _guard(found: Figures) -> str:
     return _said("acted", *found.guard)
 
 
+def _stops(found: Figures) -> str:
+    """As the robot counted: of one that nobody saw for want of states no event tells."""
+    if not found.stops:
+        return "unknown" if found.stops is None else "none"
+    return f"{found.stops}"
+
+
 def _coverage(found: Figures) -> str:
     if found.coverage is None:
         return "unknown"
@@ -57,8 +64,9 @@ SAFETY: Sequence[Row] = (
     ("limit", lambda f: mm(f.limit)),
     ("filter", lambda f: _times(f, "filter", "intervened")),
     ("guard", _guard),
-    ("stops", lambda f: _times(f, "stop", "")),
-    ("no progress", lambda f: _times(f, "held", "")),
+    ("stops of the robot", _stops),
+    ("held, or commanded zero", lambda f: _times(f, "hold", "")),
+    ("no progress", lambda f: _times(f, "stuck", "")),
     ("refusals by the robot", lambda f: _times(f, "refused", "")),
 )
 MARGIN: Sequence[Row] = (

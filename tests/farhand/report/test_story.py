@@ -77,7 +77,7 @@ def test_a_stop_of_the_robot_and_a_refusal_are_told_with_their_reason():
     ]
     story = told([report(n) for n in range(8)], states)
     found = {each.kind: each for each in story.happenings}
-    assert found["stop"].words == "the robot is in stopped: no command for 1 s"
+    assert found["stop"].words == "the robot stopped: no command for 1 s"
     assert found["refused"].words.startswith("the robot refused 2 commands")
     assert story.since(found["stop"].began_ns) < story.since(found["stop"].seen_ns)
 
@@ -102,7 +102,7 @@ def test_an_intervention_says_for_what_how_much_and_how_near():
     )
 
 
-def test_waiting_before_the_first_drive_is_no_stop_and_standing_still_afterwards_is():
+def test_waiting_before_the_first_drive_is_no_hold_and_standing_still_afterwards_is():
     reasons = ["no state yet", "", "", "the network is silent", ""]
     reports = [
         report(n, mode="hold" if reason else "run", stop_reason=reason) for n, reason in enumerate(reasons)
@@ -110,7 +110,7 @@ def test_waiting_before_the_first_drive_is_no_stop_and_standing_still_afterwards
     story = told(reports)
     assert [(each.kind, each.words) for each in story.happenings] == [
         ("wait", "no state yet"),
-        ("stop", "the network is silent"),
+        ("hold", "the network is silent"),
     ]
 
 
