@@ -8,7 +8,17 @@ import subprocess
 import sys
 from pathlib import Path
 
-NAMES = ("messages", "solver", "operator_tick", "robot_loop", "arm_tick", "netem", "virtual_time", "seat")
+NAMES = (
+    "messages",
+    "solver",
+    "operator_tick",
+    "robot_loop",
+    "arm_tick",
+    "netem",
+    "virtual_time",
+    "seat",
+    "report",
+)
 
 
 def main() -> int:

@@ -12,6 +12,7 @@ from farhand.commands.help_words import in_plain_words
 from farhand.commands.laboratory import register as register_experiments
 from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
+from farhand.commands.recordings import register as register_recordings
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
@@ -36,6 +37,7 @@ app = typer.Typer(
 UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
 
 register_runs(app)
+register_recordings(app)
 register_programs(app)
 register_experiments(app)
 app.add_typer(netem_app, name="netem")

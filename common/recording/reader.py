@@ -1,19 +1,25 @@
 """Reads recorded runs, also those that were cut off, damaged, or tell of gaps."""
 
 import os
+import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 import msgspec
+from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema, Statistics
-from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
 from farhand.common.errors import RunFileError
 from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, unsealed
 
 LARGEST_RECORD = 1 << 28
+_RECORD = struct.Struct("<BQ")
+"""Opcode and length, before a record."""
+_MESSAGE = struct.Struct("<HIQQ")
+"""Channel, number, time of log and of publishing, before a message's data."""
 DAMAGED = "a damaged part of the file was left out"
 
 
@@ -159,17 +165,28 @@ class RunReader:
         except Exception:
             self.cut_off = True
 
-    def _messages(self, chunk: Chunk, topics: Callable[[str], bool]) -> Iterator[Entry]:
+    def _messages(self, chunk: Chunk, topics: Callable[[str], bool]) -> list[Entry]:
+        """Those of a chunk that are wanted, all or none."""
+        wanted = {number: topic for number, topic in self._topics.items() if topics(topic)}
         try:
-            records = breakup_chunk(chunk, validate_crc=True)
+            stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+            return list(_entries(stream.read(size), wanted))
         except Exception:  # of the decompression, the checksum, or what the bytes then say
             self.damaged += 1
-            return
-        for record in records:
-            if isinstance(record, Message):
-                topic = self._topics.get(record.channel_id, "")
-                if topics(topic):
-                    yield Entry(topic, record.log_time, record.data)
+            return []
+
+
+def _entries(data: bytes, topics: dict[int, str]) -> Iterator[Entry]:
+    """Messages of some channels in the records of a chunk; the others, which are most, are not looked at."""
+    place = 0
+    while place < len(data):
+        opcode, length = _RECORD.unpack_from(data, place)
+        place += _RECORD.size
+        if opcode == Opcode.MESSAGE:
+            channel, _, log_ns, _ = _MESSAGE.unpack_from(data, place)
+            if channel in topics:
+                yield Entry(topics[channel], log_ns, data[place + _MESSAGE.size : place + length])
+        place += length
 
 
 def read_run(path: Path) -> RecordedRun:

@@ -64,6 +64,21 @@ def local_timestamp() -> str:
     return datetime.now().strftime("%Y%m%d-%H%M%S")
 
 
+def local_words(seconds: float) -> str:
+    """Wall-clock time of this host for tables: `2026-01-31 23:59`; takes s since 1970."""
+    return datetime.fromtimestamp(seconds).strftime("%Y-%m-%d %H:%M")
+
+
+def utc_words(epoch_ns: int) -> str:
+    """A time of day for people: `2026-01-31 23:59:59 UTC`.
+
+    Args:
+        epoch_ns: since 1970 (ns).
+    """
+    at = datetime(1970, 1, 1, tzinfo=timezone.utc) + timedelta(seconds=epoch_ns // NANOSECONDS_PER_SECOND)
+    return at.strftime("%Y-%m-%d %H:%M:%S UTC")
+
+
 def utc_after(days: float = 0.0) -> datetime:
     """Wall-clock time, UTC, so many days from now; for the validity of certificates, never for control."""
     return datetime.now(timezone.utc) + timedelta(days=days)

@@ -175,7 +175,10 @@ def summarise(
 
     Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
     """
+    from farhand.common.process.console import page
+    from farhand.report.write import conclude_report
     from farhand.runs.conclude import run_summarise, scenario_of_folder
+    from farhand.runs.files import RECORDING
     from farhand.runs.run import Run
 
     where = scenario_of_folder(folder, scenario)
@@ -185,7 +188,10 @@ def summarise(
         network=chosen_network(chosen, where, network, uplink, downlink),
         seed=seed,
     )
-    raise typer.Exit(run_summarise(run, folder, why=why, as_json=as_json))
+    code = run_summarise(run, folder, why=why, as_json=as_json)
+    if (folder / RECORDING).is_file():
+        conclude_report(folder, page(stderr=as_json))
+    raise typer.Exit(code)
 
 
 def scenarios() -> None:

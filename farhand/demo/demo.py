@@ -17,6 +17,7 @@ from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.devices.sources import SOURCES, check_library
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
+from farhand.report.write import conclude_report
 from farhand.runs.conclude import conclude
 from farhand.runs.run import Run
 from farhand.runs.run_folder import make_run_folder
@@ -56,6 +57,7 @@ def run_demo(run: Run, *, out: Path | None, as_json: bool, force: bool = False, 
         cast = cast_of(run, folder, left, hands)
         end = _play(cast, run.scenario.robot.kind, folder, stop_event, StatusView(title, console))
         code = conclude(run, folder, console, why=end.why, as_json=as_json, left_in=left, note=end.note)
+    conclude_report(folder, console)
     if not as_json and not hands.browser and run.scenario.steering.kind not in SOURCES:
         console.print(f"to drive it yourself: {called()} demo --steer browser", highlight=False)
     return 1 if end.why == INTERRUPTED else code

@@ -13,6 +13,7 @@ from farhand.operator_side.result import sample_of
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.operator_side.steering.remote import Remote
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
+from farhand.report.write import conclude_report
 from farhand.runs.figure import draw_run
 from farhand.runs.files import FIGURE, RECORDING, SCENARIO, SUMMARY
 from farhand.runs.report import print_outcome
@@ -54,6 +55,7 @@ def run_simulation(run: Run, *, out: Path | None, as_json: bool, force: bool = F
     )
     console = page(stderr=as_json)
     print_outcome(result.summary, folder if written else None, figure, console, as_json=as_json)
+    conclude_report(folder, console)
     return result.summary.exit_code
 
 

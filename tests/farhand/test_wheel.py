@@ -15,6 +15,7 @@ def test_one_name_goes_into_site_packages(installed):
     assert {top for top in tops if not top.endswith(".dist-info")} == {"farhand"}
     assert "farhand/scenarios/ur5-obstacle.toml" in names
     assert "farhand/robot_side/arm/models/panda.toml" in names
+    assert {"farhand/report/page.css", "farhand/report/turning.js"} <= set(names)
     assert "farhand/py.typed" in names
     for part in ("common", "netem", "operator_side", "robot_side"):
         assert f"farhand/{part}/__init__.py" in names

@@ -99,7 +99,7 @@ def test_end_to_end(finished):
     assert summary["interventions"] > 0
     assert (summary["stops"], summary["real_time"], summary["why"]) == (0, True, "")
     assert summary == json.loads((demo.folder / "summary.json").read_text())
-    for name in ("run.png", "run.pdf", "run.mcap", "netem.json"):
+    for name in ("run.png", "run.pdf", "run.mcap", "report.html", "netem.json"):
         assert (demo.folder / name).stat().st_size > 500
 
 

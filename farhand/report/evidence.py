@@ -1,0 +1,98 @@
+"""A run as a report has it: its recording, and what lies beside it in the folder."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+
+from farhand.common.errors import InputError, ResultError
+from farhand.common.result_file import read_result
+from farhand.report.story import Story, read_story
+from farhand.robot_side.result import RobotCounts, RobotResult
+from farhand.runs.files import RECORDING, ROBOT, SUMMARY
+from farhand.runs.summary import RunSummary
+
+
+@dataclass
+class Evidence:
+    """Attributes:
+    name: of the run, for people.
+    story: what the recording tells.
+    summary: of the folder; None: there is none that can be used.
+    robot: what the robot counted; None: unknown.
+    lacks: a line about each thing that is missing.
+    """
+
+    name: str
+    story: Story
+    summary: RunSummary | None = None
+    robot: RobotCounts | None = None
+    lacks: list[str] = field(default_factory=list)
+
+
+def recording_of(run: Path) -> Path:
+    """The recording of a run's folder, or the file itself; raises InputError."""
+    if not run.exists():
+        raise InputError(f"{run}: no such file or folder; expected a run's folder or its {RECORDING}")
+    if run.is_dir():
+        if not (run / RECORDING).is_file():
+            raise InputError(f"{run}: holds no {RECORDING}; expected the folder of a recorded run")
+        return run / RECORDING
+    return run
+
+
+def read_evidence(run: Path) -> Evidence:
+    """A run by its folder or its recording alone; raises InputError where nothing can be read."""
+    story = read_story(recording_of(run))
+    folder = run.resolve() if run.is_dir() else None
+    found = Evidence(name=_name(run.resolve()), story=story)
+    if folder is None:
+        found.lacks.append(
+            "this is the recording alone: whether the run was safe by the robot's own count, and the robot's loop, "
+            f"stand in the folder's {SUMMARY}"
+        )
+    else:
+        _read_summary(found, folder)
+    found.lacks = [*story.lacks, *found.lacks]
+    return found
+
+
+def _name(run: Path) -> str:
+    """Of the folder, or of the file, with its folder's where all are called the same."""
+    return f"{run.parent.name}/{run.name}" if run.name == RECORDING else run.name
+
+
+def _read_summary(found: Evidence, folder: Path) -> None:
+    try:
+        data = (folder / SUMMARY).read_bytes()
+        summary = msgspec.json.decode(data, type=RunSummary)
+    except FileNotFoundError:
+        found.lacks.append(
+            f"there is no {SUMMARY}: whether the run was safe by the robot's own count is unknown"
+        )
+    except OSError as error:
+        found.lacks.append(f"{SUMMARY} cannot be read: {error.strerror}")
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        found.lacks.append(f"{SUMMARY} cannot be read: {error}")
+    else:
+        _compare(found, summary)
+    if found.robot is None:
+        try:
+            found.robot = read_result(folder / ROBOT, RobotResult)
+        except ResultError as error:
+            found.lacks.append(str(error).removeprefix(f"{folder}/"))
+
+
+def _compare(found: Evidence, summary: RunSummary) -> None:
+    """Use the summary where it is one of this recording, and say what it counts more."""
+    story = found.story
+    if (summary.scenario, summary.seed) != (story.info.scenario.get("name"), story.info.seed):
+        found.lacks.append(f"{SUMMARY} is of another run than the recording: it was left out")
+        return
+    found.summary, found.robot = summary, summary.counts.robot
+    if summary.ticks != story.ticks.rows and summary.ticks:
+        found.lacks.append(
+            f"the figures are those of the {story.ticks.rows} ticks in the recording; the run had {summary.ticks}"
+        )
+    if summary.counts.robot is None:
+        found.lacks.append("the robot's program left no result: of its loop nothing is known")

@@ -1,0 +1,312 @@
+"""The figures of a run: what the report's tables show and what `--json` gives. SI units."""
+
+import msgspec
+import numpy as np
+
+from farhand.common.geometry import Array
+from farhand.common.timing.clock import utc_words
+from farhand.report.evidence import Evidence
+from farhand.report.margin import additive, coverage, width_of
+from farhand.report.settings import changed
+from farhand.report.story import Story
+
+SCHEMA = "farhand-report-1"
+"""Fields may be added; what one means, or that it goes, raises the number."""
+
+
+class Spread(msgspec.Struct, frozen=True, kw_only=True):
+    """Some values: how many, mean, median, the 99th of a hundred, largest."""
+
+    count: int
+    mean: float
+    p50: float
+    p99: float
+    max: float
+
+
+class Way(msgspec.Struct, frozen=True, kw_only=True):
+    """One direction at the emulator: messages with copies, lost by cause, delays of the delivered (s)."""
+
+    messages: int
+    lost: dict[str, int]
+    corrupted: int
+    delay: Spread | None
+
+
+class Happened(msgspec.Struct, frozen=True, kw_only=True):
+    """Something that happened: kind, from and to (s since the first tick), words, and facts as text."""
+
+    kind: str
+    begin: float
+    end: float
+    words: str
+    facts: dict[str, str]
+
+
+class Figures(msgspec.Struct, frozen=True, kw_only=True):
+    """All of a run; None is what is unknown.
+
+    Attributes:
+        lacks: what is missing, in words; the figures are those of the rest.
+        scenario, robot, operator, uplink, downlink, margin, predictor, controller, solver, seed: what was run.
+        clock: `real` or `virtual`; began: UTC of the operator's host; None in virtual time.
+        duration: from the first tick to the last (s); ticks, states: in the recording.
+        safe, finished: by the robot's and the operator's own results; `safe` is false as well where the recording
+            alone shows it.
+        targets_reached, targets: as last reported.
+        limit: distance to keep (m).
+        clearance: the least of the tool's sphere that the robot measured, told by its result or else its states (m).
+        arm_clearance: likewise of the whole arm.
+        margin_width, margin_parts: in force (m); parts as means of what each added.
+        coverage: ticks that are judged, and the share of them in which the newest error of the prediction was within
+            the margin of the tick before.
+        prediction_error: (m).
+        speed_asked, speed_done: while driving (m/s).
+        happened: times and seconds of each kind, as the operator's side was told of them.
+        guard: times and seconds in which the guard acted, by the robot's own count; None: unknown, or it is off.
+        stops: that latched, as the robot counted or last told.
+        round_trip, age, state_age: (s); loss: share of the states between the first and the last that never arrived.
+        network: at the emulator, by direction; empty where not recorded.
+        period: of a tick (s); tick_late: how much later than a period after the one before (s); solve: (s).
+        overruns: late ticks, as the operator counted.
+        robot_loop: lateness of the robot's loop: p50, p99, max (s).
+        changed: settings that are not the defaults, with the default.
+        versions, git: of what ran.
+        events: everything that happened.
+    """
+
+    name: str
+    lacks: list[str]
+    scenario: str
+    robot: str
+    operator: str
+    uplink: str | None
+    downlink: str | None
+    margin: str
+    predictor: str | None
+    controller: str
+    solver: str
+    seed: int
+    clock: str
+    began: str | None
+    duration: float
+    ticks: int
+    states: int
+    safe: bool | None
+    finished: bool | None
+    why: str
+    targets_reached: int | None
+    targets: int | None
+    limit: float | None
+    clearance: float | None
+    arm_clearance: float | None
+    margin_width: Spread | None
+    margin_parts: dict[str, float]
+    coverage: tuple[int, float] | None
+    prediction_error: Spread | None
+    speed_asked: Spread | None
+    speed_done: Spread | None
+    happened: dict[str, tuple[int, float]]
+    guard: tuple[int, float] | None
+    stops: int | None
+    round_trip: Spread | None
+    age: Spread | None
+    state_age: Spread | None
+    loss: float | None
+    network: dict[str, Way]
+    period: float | None
+    tick_late: Spread | None
+    solve: Spread | None
+    overruns: int | None
+    robot_loop: tuple[float, float, float] | None
+    changed: dict[str, tuple[object, object]]
+    versions: dict[str, str]
+    git: str
+    events: list[Happened]
+
+
+def figures_of(run: Evidence) -> Figures:
+    """All figures of a run."""
+    story, summary = run.story, run.summary
+    ticks, info, last = story.ticks, story.info, story.last
+    driving, seen = ticks["driving"] > 0, ticks["seen"] > 0
+    limit, clearance, arm = limit_of(story), _clearance(run), _arm(run)
+    robot = run.robot
+    late = robot.lateness if robot is not None else None
+    return Figures(
+        name=run.name,
+        lacks=run.lacks,
+        scenario=str(info.scenario.get("name", "")),
+        robot=info.robot,
+        operator=info.operator,
+        uplink=_network(run, "uplink"),
+        downlink=_network(run, "downlink"),
+        margin=_kind(story, "margin"),
+        predictor=summary.predictor if summary is not None else None,
+        controller=_kind(story, "controller"),
+        solver=info.solver,
+        seed=info.seed,
+        clock=info.clock,
+        began=utc_words(info.epoch_ns + story.began_ns) if info.epoch_ns and ticks.rows else None,
+        duration=story.duration,
+        ticks=ticks.rows,
+        states=story.states.rows,
+        safe=_safe(run, limit, clearance, arm),
+        finished=summary.finished if summary is not None else None,
+        why=_why(run),
+        targets_reached=last.target_index if last is not None else None,
+        targets=last.target_count if last is not None and last.target_count else None,
+        limit=limit,
+        clearance=clearance,
+        arm_clearance=arm,
+        margin_width=spread(width_of(story)[seen]),
+        margin_parts={
+            name: float(value[seen].mean()) for name, value in additive(story)[0].items() if seen.any()
+        },
+        coverage=coverage(story),
+        prediction_error=spread(ticks["error"][seen]),
+        speed_asked=spread(ticks["asked"][driving]),
+        speed_done=spread(ticks["done"][driving]),
+        happened=_happened(story),
+        guard=(robot.guard_times, robot.guard_seconds) if robot is not None and robot.guarded else None,
+        stops=_stops(run),
+        round_trip=spread(_changes(ticks["rtt"])),
+        age=spread(ticks["age"][seen]),
+        state_age=spread(ticks["state_age"]),
+        loss=_loss(story),
+        network={
+            name: Way(
+                messages=way.messages,
+                lost=dict(sorted(way.lost.items())),
+                corrupted=way.corrupted,
+                delay=spread(way.delays),
+            )
+            for name, way in sorted(story.network.ways.items())
+        },
+        period=period_of(story),
+        tick_late=spread(lateness(story)[1]) if info.clock == "real" else None,
+        solve=spread(ticks["solve"][driving]) if ticks["solve"].any() else None,
+        overruns=last.overruns if last is not None else None,
+        robot_loop=(late.p50, late.p99, late.max) if late is not None else None,
+        changed=changed(info.scenario),
+        versions=dict(sorted(info.versions.items())),
+        git=info.git,
+        events=[
+            Happened(
+                kind=each.kind,
+                begin=story.since(each.began_ns),
+                end=story.since(each.seen_ns),
+                words=each.words,
+                facts=each.facts,
+            )
+            for each in story.happenings
+        ],
+    )
+
+
+def spread(values: Array) -> Spread | None:
+    """Of those that are known; None: none is."""
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return None
+    p50, p99 = np.percentile(known, (50, 99))
+    return Spread(
+        count=len(known), mean=float(known.mean()), p50=float(p50), p99=float(p99), max=float(known.max())
+    )
+
+
+def limit_of(story: Story) -> float | None:
+    """The distance to keep (m)."""
+    return _number(story, "controller", "d_min")
+
+
+def period_of(story: Story) -> float | None:
+    """Of a tick (s)."""
+    return _number(story, "controller", "period")
+
+
+def lateness(story: Story) -> tuple[Array, Array]:
+    """(m,) instants, and by how much each tick came later than a period after the one before (s); both are there."""
+    period, t = period_of(story), story.ticks["t"]
+    if period is None or len(t) < 2:
+        return np.zeros(0), np.zeros(0)
+    follows = np.diff(story.ticks["number"]) == 1
+    late = np.maximum(0.0, np.round(np.diff(t)[follows] - period, 9))
+    return t[1:][follows], late
+
+
+def _number(story: Story, section: str, key: str) -> float | None:
+    table = story.info.scenario.get(section)
+    value = table.get(key) if isinstance(table, dict) else None
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _kind(story: Story, section: str) -> str:
+    table = story.info.scenario.get(section)
+    return str(table.get("kind", "")) if isinstance(table, dict) else ""
+
+
+def _network(run: Evidence, way: str) -> str | None:
+    if run.summary is not None:
+        return str(getattr(run.summary, way))
+    table = run.story.info.scenario.get("network")
+    said = table.get(way) if isinstance(table, dict) else None
+    return str(said) if said is not None else None
+
+
+def _clearance(run: Evidence) -> float | None:
+    """The robot's own, at its own rate; obstacles that are not there are no distance."""
+    told = run.robot.min_clearance if run.robot is not None else run.story.least
+    scene = run.story.scene
+    return None if told is None or (scene is not None and not scene.obstacles) else told
+
+
+def _arm(run: Evidence) -> float | None:
+    if run.robot is not None:
+        return run.robot.min_arm_clearance
+    arm = run.story.states["arm"]
+    return float(np.nanmin(arm)) if np.isfinite(arm).any() else None
+
+
+def _safe(run: Evidence, limit: float | None, clearance: float | None, arm: float | None) -> bool | None:
+    if run.summary is not None:
+        return run.summary.safe
+    near = limit is not None and clearance is not None and clearance < limit
+    return False if near or (arm is not None and arm <= 0.0) else None
+
+
+def _stops(run: Evidence) -> int | None:
+    if run.robot is not None:
+        return run.robot.stops
+    last = run.story.last
+    return last.stops if last is not None and last.states else None
+
+
+def _why(run: Evidence) -> str:
+    summary = run.summary
+    return "; ".join(each for each in (summary.too_near, summary.why) if each) if summary is not None else ""
+
+
+def _happened(story: Story) -> dict[str, tuple[int, float]]:
+    found: dict[str, tuple[int, float]] = {}
+    for each in story.happenings:
+        times, seconds = found.get(each.kind, (0, 0.0))
+        found[each.kind] = times + 1, seconds + (each.seen_ns - each.began_ns) * 1e-9
+    return dict(sorted(found.items()))
+
+
+def _loss(story: Story) -> float | None:
+    """By their numbers; a robot that was started anew counts anew."""
+    sent = arrived = 0
+    for session in np.unique(story.states["session"]):
+        numbers = np.unique(story.states["seq"][story.states["session"] == session])
+        sent += int(numbers[-1] - numbers[0]) + 1
+        arrived += len(numbers)
+    return 1.0 - arrived / sent if sent else None
+
+
+def _changes(values: Array) -> Array:
+    """Each measured value once: it stays in the reports until there is a newer one."""
+    known = values[np.isfinite(values)]
+    new: Array = known[np.diff(known, prepend=np.nan) != 0.0]
+    return new

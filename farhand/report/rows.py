@@ -1,0 +1,97 @@
+"""The rows of the tables of figures, and how each reads."""
+
+from collections.abc import Callable, Sequence
+
+from farhand.report.figures import Figures
+from farhand.report.words import length, lost, mm, ms, share, spread_mm, spread_ms
+
+Row = tuple[str, Callable[[Figures], str]]
+
+
+def _times(found: Figures, kind: str, did: str) -> str:
+    return _said(did, *found.happened.get(kind, (0, 0.0)))
+
+
+def _said(did: str, times: int, seconds: float) -> str:
+    if not times:
+        return "never"
+    how = "once" if times == 1 else f"{times} times"
+    return f"{did} {how}".strip() + (f", {length(seconds)} in all" if seconds >= 0.05 else "")
+
+
+def _guard(found: Figures) -> str:
+    """By the robot's own count, which sees it at its own rate; else by what its states told."""
+    if found.guard is None:
+        return _times(found, "guard", "acted")
+    return _said("acted", *found.guard)
+
+
+def _stops(found: Figures) -> str:
+    """As the robot counted: of one that nobody saw for want of states no event tells."""
+    if not found.stops:
+        return "unknown" if found.stops is None else "none"
+    return f"{found.stops}"
+
+
+def _coverage(found: Figures) -> str:
+    if found.coverage is None:
+        return "unknown"
+    judged, held = found.coverage
+    return f"in {share(held)} of {judged} ticks"
+
+
+def _delay(found: Figures, way: str) -> str:
+    known = found.network.get(way)
+    return spread_ms(known.delay) if known is not None else "not recorded"
+
+
+def _tick_late(found: Figures) -> str:
+    return "not measured in virtual time" if found.clock == "virtual" else spread_ms(found.tick_late)
+
+
+def _robot_loop(found: Figures) -> str:
+    if found.robot_loop is None:
+        return "not measured in virtual time" if found.clock == "virtual" else "unknown"
+    return " · ".join(map(ms, found.robot_loop))
+
+
+SAFETY: Sequence[Row] = (
+    ("clearance of the tool, least", lambda f: mm(f.clearance)),
+    (
+        "clearance of the bare arm, least",
+        lambda f: "not computed" if f.arm_clearance is None else mm(f.arm_clearance),
+    ),
+    ("limit", lambda f: mm(f.limit)),
+    ("filter", lambda f: _times(f, "filter", "intervened")),
+    ("guard", _guard),
+    ("stops of the robot", _stops),
+    ("held, or commanded zero", lambda f: _times(f, "hold", "")),
+    ("no progress", lambda f: _times(f, "stuck", "")),
+    ("refusals by the robot", lambda f: _times(f, "refused", "")),
+)
+MARGIN: Sequence[Row] = (
+    ("width: median · 99 % · largest", lambda f: spread_mm(f.margin_width)),
+    ("error of the prediction", lambda f: spread_mm(f.prediction_error)),
+    ("coverage: error within the margin before it", _coverage),
+    (
+        "parts, mean",
+        lambda f: ", ".join(f"{name} {mm(part)}" for name, part in f.margin_parts.items()) or "none",
+    ),
+)
+LINK: Sequence[Row] = (
+    ("round trip: median · 99 % · largest", lambda f: spread_ms(f.round_trip)),
+    ("oldest command without an answer", lambda f: spread_ms(f.age)),
+    ("age of the newest state", lambda f: spread_ms(f.state_age)),
+    ("states that never arrived", lambda f: share(f.loss)),
+    ("lost in the emulator, uplink", lambda f: lost(f.network.get("uplink"))),
+    ("lost in the emulator, downlink", lambda f: lost(f.network.get("downlink"))),
+    ("delay in the emulator, uplink", lambda f: _delay(f, "uplink")),
+    ("delay in the emulator, downlink", lambda f: _delay(f, "downlink")),
+)
+TIMING: Sequence[Row] = (
+    ("operator's tick, period", lambda f: ms(f.period)),
+    ("tick late: median · 99 % · largest", _tick_late),
+    ("late ticks, as it counted", lambda f: "unknown" if f.overruns is None else str(f.overruns)),
+    ("solver", lambda f: "not measured in virtual time" if f.clock == "virtual" else spread_ms(f.solve)),
+    ("robot's loop late", _robot_loop),
+)

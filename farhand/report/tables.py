@@ -1,0 +1,98 @@
+"""The tables of the report: figures of one run or two, settings, what happened."""
+
+from collections.abc import Sequence
+from html import escape
+
+from farhand.report.evidence import Evidence
+from farhand.report.figures import Figures
+from farhand.report.rows import Row
+from farhand.report.settings import differing
+from farhand.report.words import value
+from farhand.runs.guard_words import guard_summary
+
+MOST_EVENTS = 300
+BEFORE_ALL = ("stop", "refused", "guard")
+"""Told of first where not everything can be."""
+
+
+def figures(runs: Sequence[Figures], rows: Sequence[Row]) -> str:
+    """A line for each figure, a column for each run."""
+    head = "<tr><th></th>" + "".join(f"<th>{escape(each.name)}</th>" for each in runs) + "</tr>"
+    body = "".join(
+        f"<tr><td>{escape(label)}</td>" + "".join(f"<td>{escape(tell(each))}</td>" for each in runs) + "</tr>"
+        for label, tell in rows
+    )
+    return f'<div class="wide"><table>{head if len(runs) > 1 else ""}{body}</table></div>'
+
+
+def guard_line(run: Evidence) -> str:
+    """What the guard did by the robot's own count; empty where unknown."""
+    pairs = run.summary.guard_pairs if run.summary is not None else []
+    return guard_summary(run.robot, pairs) if run.robot is not None else ""
+
+
+def changed(found: Figures) -> str:
+    """Settings that are not the defaults."""
+    if not found.changed:
+        return "<p>All settings are the defaults.</p>"
+    rows = "".join(
+        f"<tr><td>{escape(key)}</td><td>{escape(value(now))}</td><td>{escape(value(default))}</td></tr>"
+        for key, (now, default) in found.changed.items()
+    )
+    return f'<div class="wide"><table><tr><th>setting</th><th>in force</th><th>default</th></tr>{rows}</table></div>'
+
+
+def differences(first: Evidence, second: Evidence) -> str:
+    """Settings in which two runs differ."""
+    found = differing(first.story.info.scenario, second.story.info.scenario)
+    found |= {
+        name: (one, other)
+        for name, one, other in (
+            ("seed", first.story.info.seed, second.story.info.seed),
+            ("git", first.story.info.git, second.story.info.git),
+            ("clock", first.story.info.clock, second.story.info.clock),
+        )
+        if one != other
+    }
+    if not found:
+        return "<p>Task, settings and seed are the same.</p>"
+    rows = "".join(
+        f"<tr><td>{escape(key)}</td><td>{escape(value(one))}</td><td>{escape(value(other))}</td></tr>"
+        for key, (one, other) in found.items()
+    )
+    names = f"<th>{escape(first.name)}</th><th>{escape(second.name)}</th>"
+    return f'<div class="wide"><table><tr><th>setting</th>{names}</tr>{rows}</table></div>'
+
+
+def told(found: Figures) -> list[int]:
+    """Which events are in the table: all, or the gravest and the longest, in order."""
+    events = found.events
+    if len(events) <= MOST_EVENTS:
+        return list(range(len(events)))
+    weighed = sorted(
+        range(len(events)), key=lambda k: (events[k].kind not in BEFORE_ALL, events[k].begin - events[k].end)
+    )
+    return sorted(weighed[:MOST_EVENTS])
+
+
+def events(found: Figures, shown: Sequence[int], prefix: str) -> str:
+    """A line for each event."""
+    if not found.events:
+        return "<p>Nothing: no intervention, no stop, no refusal.</p>"
+    rows = []
+    for number in shown:
+        each = found.events[number]
+        lasted = each.end - each.begin
+        rows.append(
+            f'<tr id="{prefix}{number + 1}"><td class="when">{each.begin:.1f} s</td>'
+            f'<td class="when">{f"{lasted:.1f} s" if lasted >= 0.05 else "–"}</td>'
+            f'<td><span class="tag {each.kind}">{each.kind}</span></td><td>{escape(each.words)}</td></tr>'
+        )
+    left = len(found.events) - len(shown)
+    more = (
+        f'<p class="said">{left} more are in the JSON alone: shorter ones of filter and waiting.</p>'
+        if left
+        else ""
+    )
+    head = "<tr><th>at</th><th>for</th><th></th><th>what</th></tr>"
+    return f'<div class="wide"><table class="events">{head}{"".join(rows)}</table></div>{more}'

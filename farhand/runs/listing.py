@@ -1,0 +1,187 @@
+"""What runs there are in a folder: when, what, over what, how it went, how long, how large."""
+
+import fcntl
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+from mcap.reader import make_reader
+from mcap.writer import MCAP0_MAGIC
+
+from farhand.common.errors import InputError, RunFileError
+from farhand.common.recording.reader import RunReader
+from farhand.common.recording.records import RunInfo
+from farhand.common.timing.clock import utc_seconds
+from farhand.runs.files import RECORDING, RESULTS, RUN_FILES, SUMMARY
+from farhand.runs.summary import RunSummary
+
+RECENT = 60.0
+"""A recording without an end that was changed in the last minute is being written to (s)."""
+SUFFIX = ".mcap"
+
+
+class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
+    """Attributes:
+    path: its folder, or its recording alone.
+    when: its beginning; in virtual time, or without a recording, when its files were written (s since 1970, UTC).
+    scenario, network: None: unknown.
+    safe, finished: None: unknown.
+    length: of the recording, else of the drive (s); None: unknown.
+    size: of its files (bytes).
+    writing: a program is writing there now.
+    note: what else is to be said of it.
+    """
+
+    path: str
+    when: float
+    scenario: str | None = None
+    network: str | None = None
+    safe: bool | None = None
+    finished: bool | None = None
+    length: float | None = None
+    size: int = 0
+    writing: bool = False
+    note: str = ""
+
+    @property
+    def result(self) -> str:
+        """In words."""
+        if self.writing:
+            return "is being written"
+        if self.safe is None:
+            return "unknown"
+        return f"{'safe' if self.safe else 'NOT SAFE'}, {'finished' if self.finished else 'not finished'}"
+
+
+def list_runs(folder: Path) -> list[ListedRun]:
+    """The runs in a folder, or the one that it is, oldest first; raises InputError where it cannot be read."""
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder; expected one that holds runs")
+    try:
+        entries = [folder] if is_run(folder) else sorted(folder.iterdir())
+        found = [_of_folder(each) if each.is_dir() else _of_file(each) for each in entries if is_run(each)]
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be read: {error.strerror or error}") from None
+    return sorted(found, key=lambda each: (each.when, each.path))
+
+
+def is_run(path: Path) -> bool:
+    """Whether it is a recording, or a folder with what a run leaves: a summary, a recording or a program's result."""
+    if path.is_dir():
+        return any((path / name).is_file() for name in (SUMMARY, RECORDING, *RESULTS))
+    return path.suffix == SUFFIX and path.is_file()
+
+
+def is_written(path: Path) -> bool:
+    """Whether a program is writing to a run now."""
+    if not path.is_dir():
+        return _grows(path)
+    return _is_held(path) or _grows(path / RECORDING)
+
+
+def files_of(path: Path) -> Iterator[Path]:
+    """What a run has left: of a folder its files by name, and nothing else that is there."""
+    if path.is_dir():
+        yield from (path / name for name in RUN_FILES if (path / name).is_file())
+    else:
+        yield path
+
+
+def _of_folder(folder: Path) -> ListedRun:
+    summary, notes = None, []
+    try:
+        summary = msgspec.json.decode((folder / SUMMARY).read_bytes(), type=RunSummary)
+    except FileNotFoundError:
+        notes.append(f"no {SUMMARY}")
+    except (OSError, msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        notes.append(f"{SUMMARY} cannot be read")
+    found = _of_file(folder / RECORDING) if (folder / RECORDING).is_file() else None
+    if found is not None and found.note:
+        notes.append(found.note)
+    files = list(files_of(folder))
+    when = found.when if found is not None else max(each.stat().st_mtime for each in files)
+    length = found.length if found is not None else None
+    return ListedRun(
+        path=str(folder),
+        when=when,
+        scenario=summary.scenario if summary is not None else found.scenario if found is not None else None,
+        network=summary.network if summary is not None else found.network if found is not None else None,
+        safe=summary.safe if summary is not None else None,
+        finished=summary.finished if summary is not None else None,
+        length=summary.duration if length is None and summary is not None else length,
+        size=sum(each.stat().st_size for each in files),
+        writing=is_written(folder),
+        note="; ".join(notes),
+    )
+
+
+def _of_file(path: Path) -> ListedRun:
+    """A recording by its beginning and its end alone."""
+    stat = path.stat()
+    empty = ListedRun(path=str(path), when=stat.st_mtime, size=stat.st_size, writing=_grows(path))
+    try:
+        reader = RunReader(path)
+    except RunFileError as error:
+        why = (
+            "recording of another version" if "another version" in str(error) else "recording cannot be read"
+        )
+        return msgspec.structs.replace(empty, note=why)
+    reader.close()
+    span, info = _span(path), reader.info
+    began = span[0] * 1e-9 if span is not None and info.epoch_ns else stat.st_mtime
+    return msgspec.structs.replace(
+        empty,
+        when=began,
+        scenario=str(info.scenario.get("name", "")) or None,
+        network=_network(info),
+        length=(span[1] - span[0]) * 1e-9 if span is not None else None,
+        note="" if span is not None or empty.writing else "recording without an end",
+    )
+
+
+def _span(path: Path) -> tuple[int, int] | None:
+    """First and last instant of a recording by the summary at its end (ns); None: it has none."""
+    try:
+        with path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+    except (
+        Exception
+    ):  # on what is cut or damaged the reader raises its own, struct.error, EOFError and others
+        return None
+    if summary is None or summary.statistics is None or not summary.statistics.message_count:
+        return None
+    return summary.statistics.message_start_time, summary.statistics.message_end_time
+
+
+def _network(info: RunInfo) -> str | None:
+    table = info.scenario.get("network")
+    if not isinstance(table, dict):
+        return None
+    up, down = table.get("uplink"), table.get("downlink")
+    return None if up is None and down is None else str(up) if up == down else f"{up} / {down}"
+
+
+def _grows(recording: Path) -> bool:
+    try:
+        if utc_seconds() - recording.stat().st_mtime > RECENT:
+            return False
+        with recording.open("rb") as file:
+            file.seek(max(0, recording.stat().st_size - len(MCAP0_MAGIC)))
+            return file.read() != bytes(MCAP0_MAGIC)
+    except OSError:
+        return False
+
+
+def _is_held(folder: Path) -> bool:
+    """Whether a program has the folder for itself (see hold_folder)."""
+    opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(opened, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(opened)
+    return False

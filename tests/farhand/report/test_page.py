@@ -1,0 +1,125 @@
+"""The page: one file that needs nothing, says what is missing, and sets two runs side by side."""
+
+import re
+import shutil
+from xml.etree import ElementTree
+
+import msgspec
+import numpy as np
+import pytest
+
+from farhand.cli import run
+from farhand.common.recording.records import RunInfo
+from farhand.common.recording.run_file import RunFile
+from farhand.laboratory.simulation import simulate
+from farhand.report.evidence import read_evidence
+from farhand.report.page import Page
+from farhand.report.svg import Chart, Line, drawn
+from farhand.runs.summary import write_summary
+
+
+@pytest.fixture
+def folder(recorded, tmp_path):
+    """A run's folder."""
+    path, result = recorded
+    shutil.copy(path, tmp_path / "run.mcap")
+    write_summary(result.summary, tmp_path)
+    return tmp_path
+
+
+def test_it_needs_nothing_else_and_is_small(folder):
+    html = Page([read_evidence(folder)]).html()
+    assert len(html) < 1e6
+    assert not re.search(r"https?://|src=|@import|url\(", html)
+    assert "What is missing" not in html
+    for drawing in re.findall(r"<svg.*?</svg>(?=<)", html.split("<script")[0]):
+        if drawing.count("<svg") == drawing.count("</svg>"):
+            ElementTree.fromstring(drawing)
+
+
+def test_it_tells_how_it_went_by_the_summary(folder, recorded):
+    html, summary = Page([read_evidence(folder)]).html(), recorded[1].summary
+    assert f"{summary.min_clearance * 1e3:.1f} mm" in html
+    assert "NOT FINISHED" in html
+    assert ">SAFE<" in html
+    assert "in virtual time" in html
+    assert "not measured in virtual time" in html
+
+
+def test_a_recording_alone_knows_no_verdict(recorded):
+    html = Page([read_evidence(recorded[0])]).html()
+    assert "SAFE OR NOT: UNKNOWN" in html
+    assert "this is the recording alone" in html
+
+
+def test_a_summary_of_another_run_is_left_out_and_told(folder, recorded):
+    write_summary(msgspec.structs.replace(recorded[1].summary, seed=99), folder)
+    found = read_evidence(folder)
+    assert found.summary is None
+    assert "summary.json is of another run than the recording: it was left out" in found.lacks
+
+
+@pytest.mark.parametrize("content", ["{", "", "[]", '{"safe": 1}', "\xff"])
+def test_a_broken_summary_is_told(folder, content):
+    (folder / "summary.json").write_text(content, encoding="latin-1")
+    found = read_evidence(folder)
+    assert any(line.startswith("summary.json cannot be read") for line in found.lacks)
+
+
+def test_a_run_that_counted_more_ticks_than_were_recorded_is_told(folder, recorded):
+    write_summary(msgspec.structs.replace(recorded[1].summary, ticks=999), folder)
+    assert any("the run had 999" in line for line in read_evidence(folder).lacks)
+
+
+def test_names_cannot_break_the_page(tmp_path):
+    path = tmp_path / "x.mcap"
+    name = "</script><b>x"
+    info = RunInfo(
+        scenario={"name": name}, robot=name, session=1, seed=0, versions={"v": name}, operator=name
+    )
+    RunFile(path, info).close()
+    assert "<b>x" not in Page([read_evidence(path)]).html()
+
+
+def test_two_runs_stand_side_by_side_with_what_differs(folder, tmp_path):
+    other = tmp_path / "other.mcap"
+    simulate("point-obstacle", network="constant:150", record_to=other, time_limit=3.0, seed=4)
+    html = Page([read_evidence(folder), read_evidence(other)]).html()
+    assert len(html) < 1e6
+    assert html.count('class="turning"') == 2
+    assert re.search(r"<td>network.uplink</td><td>5g-urban</td><td>constant:150</td>", html)
+    assert re.search(r"<td>seed</td><td>0</td><td>4</td>", html)
+
+
+def test_the_command_writes_it_into_the_folder_and_says_so(folder, capsys):
+    assert run(["report", str(folder)]) == 0
+    assert (folder / "report.html").is_file()
+    assert str(folder / "report.html") in capsys.readouterr().out
+
+
+def test_json_is_the_same_for_the_same_run_wherever_it_lies(folder, tmp_path, capsys):
+    again = tmp_path / "again"
+    again.mkdir()
+    result = simulate("point-obstacle", network="5g-urban", record_to=again / "run.mcap", time_limit=3.0)
+    write_summary(result.summary, again)
+    said = []
+    for each in (folder, again):
+        assert run(["report", "--json", str(each)]) == 0
+        said.append(capsys.readouterr().out)
+    assert said[0] == said[1]
+    found = msgspec.json.decode(said[0])
+    assert found["schema"] == "farhand-report-1"
+    assert found["runs"][0]["ticks"] == result.summary.ticks
+    assert not (folder / "report.html").exists()
+
+
+def test_a_line_is_broken_where_something_is_missing_and_nowhere_else():
+    t = np.arange(0.0, 3600.0, 0.1)
+    values = np.sin(t)
+    whole = drawn(Chart("m", [Line("x", "line0", t, values, gap=0.25)]), (0.0, 3600.0), (-1.0, 1.0))
+    missing = np.delete(np.arange(len(t)), slice(18000, 18010))
+    broken = drawn(
+        Chart("m", [Line("x", "line0", t[missing], values[missing], 0.25)]), (0.0, 3600.0), (-1.0, 1.0)
+    )
+    begins = [re.search(r'class="line0" d="([^"]*)"', each).group(1).count("M") for each in (whole, broken)]
+    assert begins == [1, 2]
