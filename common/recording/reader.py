@@ -2,7 +2,7 @@
 
 import os
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -189,35 +189,49 @@ def _entries(data: bytes, topics: dict[int, str]) -> Iterator[Entry]:
         place += length
 
 
-def read_run(path: Path) -> RecordedRun:
-    """Read a recording's ticks, also of one that was cut off; raises RunFileError if nothing of it is usable."""
-    reader = RunReader(path)
-    ticks: list[TickRecord] = []
-    gaps: list[Gap] = []
+def read_in_order(reader: RunReader, others: Collection[str] = ()) -> Iterator[TickRecord | Gap | Entry]:
+    """Ticks, the gaps between and after them as they were noted or as the numbers tell, and messages of other topics."""
     decode = msgspec.msgpack.Decoder(TickRecord).decode
     expected = reader.info.first_tick
-    for item in reader.items(lambda topic: topic == TICK):
+    count = left_out = last_ns = 0
+    for item in reader.items(lambda topic: topic == TICK or topic in others):
         if isinstance(item, Gap):
-            gaps.append(msgspec.structs.replace(item, before=len(ticks)))
             expected += item.ticks
+            yield msgspec.structs.replace(item, before=count)
+            continue
+        if item.topic != TICK:
+            yield item
             continue
         try:
             tick = decode(item.data)
         except msgspec.MsgspecError:
             continue  # its number is missing, which is told of
         if tick.number > expected:
-            gaps.append(_left_out(tick.number - expected, ticks, tick.now_ns))
-        expected = tick.number + 1
-        ticks.append(tick)
-    lost = reader.promised.get(TICK, 0) - len(ticks) - sum(gap.ticks for gap in gaps if gap.why == DAMAGED)
+            left_out += tick.number - expected
+            yield _left_out(tick.number - expected, last_ns or tick.now_ns, tick.now_ns, count)
+        expected, last_ns = tick.number + 1, tick.now_ns
+        count += 1
+        yield tick
+    lost = reader.promised.get(TICK, 0) - count - left_out
     if lost > 0:  # the last ones: no number after them tells
-        gaps.append(_left_out(lost, ticks, ticks[-1].now_ns if ticks else 0))
+        yield _left_out(lost, last_ns, last_ns, count)
+
+
+def read_run(path: Path) -> RecordedRun:
+    """Read a recording's ticks, also of one that was cut off; raises RunFileError if nothing of it is usable."""
+    reader = RunReader(path)
+    ticks: list[TickRecord] = []
+    gaps: list[Gap] = []
+    for item in read_in_order(reader):
+        if isinstance(item, TickRecord):
+            ticks.append(item)
+        elif isinstance(item, Gap):
+            gaps.append(item)
     return RecordedRun(reader.info, ticks, tuple(gaps), reader.cut_off, reader.size)
 
 
-def _left_out(count: int, ticks: list[TickRecord], next_ns: int) -> Gap:
-    before_ns = ticks[-1].now_ns if ticks else next_ns
-    return Gap(ticks=count, first_ns=before_ns, last_ns=next_ns, why=DAMAGED, before=len(ticks))
+def _left_out(count: int, first_ns: int, last_ns: int, before: int) -> Gap:
+    return Gap(ticks=count, first_ns=first_ns, last_ns=last_ns, why=DAMAGED, before=before)
 
 
 def _gap(metadata: dict[str, str]) -> Gap | None:

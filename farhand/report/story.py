@@ -12,13 +12,12 @@ from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick, TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
-from farhand.common.recording.reader import RunReader
+from farhand.common.recording.reader import RunReader, read_in_order
 from farhand.common.recording.records import Gap, RunInfo, TickRecord
 from farhand.foxglove.happenings import Happening, Happenings
 from farhand.report.columns import Columns, NamedParts
 from farhand.report.deeds import Deeds
 from farhand.report.network import Network
-from farhand.report.reading import recorded
 
 TICK_COLUMNS = (
     "t",
@@ -113,7 +112,7 @@ class _Reading:
     def read(self, reader: RunReader) -> None:
         """All of a file."""
         story, flaws = self._story, []
-        for item in recorded(reader, set(FATE_TOPICS.values())):
+        for item in read_in_order(reader, set(FATE_TOPICS.values())):
             if isinstance(item, TickRecord):
                 self._tick(self._decoder.decode(item))
             elif isinstance(item, Gap):
