@@ -190,7 +190,7 @@ def _entries(data: bytes, topics: dict[int, str]) -> Iterator[Entry]:
 
 
 def read_in_order(reader: RunReader, others: Collection[str] = ()) -> Iterator[TickRecord | Gap | Entry]:
-    """Ticks, the gaps between and after them as they were noted or as the numbers tell, and messages of other topics."""
+    """Ticks, the gaps between and after them as noted or as the numbers tell, and messages of other topics."""
     decode = msgspec.msgpack.Decoder(TickRecord).decode
     expected = reader.info.first_tick
     count = left_out = last_ns = 0
