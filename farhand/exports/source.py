@@ -89,6 +89,11 @@ class Source:
                 self._unreadable += item.topic != TICK  # a tick's number is missing, which is told of
         self._conclude(fates=fates)
 
+    @property
+    def topics(self) -> frozenset[str]:
+        """What the file has channels for."""
+        return self._reader.topics
+
     def close(self) -> None:
         """Read no more."""
         self._reader.close()

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from farhand.common.messages.base import Quaternion
+from farhand.common.messages.base import Quaternion, Vector3
 from farhand.common.messages.keys import kind_of
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
@@ -227,16 +227,12 @@ def tick_row(run: str, tick: DecodedTick, start_ns: int) -> Row:
 
 def _report(report: ControlReport) -> Row:
     row: Row = {name: getattr(report, name) for name in _PLAIN}
-    for name, values in (
-        ("asked", report.desired),
-        ("asked_angular", report.desired_angular),
-        ("filtered", report.filtered),
-        ("filtered_angular", report.angular),
-        ("tool", report.position),
-        ("predicted", report.predicted),
-    ):
-        row |= zip((f"{name}_{axis}" for axis in "xyz"), values, strict=True)
-    row |= _quaternion("tool", report.orientation) | _quaternion("predicted", report.predicted_orientation)
+    row |= _vector("asked", report.desired) | _vector("asked_angular", report.desired_angular)
+    row |= _vector("filtered", report.filtered) | _vector("filtered_angular", report.angular)
+    if report.states:  # before the first one nobody knows where the tool is
+        row |= _vector("tool", report.position) | _quaternion("tool", report.orientation)
+        row |= _vector("predicted", report.predicted)
+        row |= _quaternion("predicted", report.predicted_orientation)
     row["margin"] = report.inflation
     row["margin_parts"] = _json(report.margin_parts)
     did = report.guard
@@ -267,12 +263,8 @@ def state_row(run: str, tick: int, arrived_ns: int, state: RobotState, start_ns:
         "guard": "" if state.guard is msgspec.UNSET else state.guard.what,
     }
     row |= {name: getattr(state, name) for name in _STATE_PLAIN}
-    for name, values in (
-        ("tool", state.position),
-        ("velocity", state.velocity),
-        ("angular", state.angular_velocity),
-    ):
-        row |= zip((f"{name}_{axis}" for axis in "xyz"), values, strict=True)
+    row |= _vector("tool", state.position) | _vector("velocity", state.velocity)
+    row |= _vector("angular", state.angular_velocity)
     row |= _quaternion("tool", state.orientation)
     row |= {f"joint_{i}": position for i, position in enumerate(state.joints)}
     return row
@@ -314,6 +306,10 @@ def happening_row(run: str, happening: Happening, start_ns: int) -> Row:
         "words": happening.words,
         "facts": _json(happening.facts),
     }
+
+
+def _vector(name: str, values: Vector3) -> Row:
+    return dict(zip((f"{name}_{axis}" for axis in "xyz"), values, strict=True))
 
 
 def _quaternion(name: str, values: Quaternion) -> Row:
