@@ -9,7 +9,7 @@ from pathlib import Path
 
 from farhand.common.errors import InputError
 
-MARKS = ("columns.csv", "metadata.yaml", "meta/info.json")
+MARKS = ("columns.csv", "metadata.yaml", "*/metadata.yaml", "meta/info.json")
 """What an export's folder holds, by which one knows it."""
 
 
@@ -55,7 +55,7 @@ def _check_free(out: Path, *, force: bool) -> None:
         raise InputError(f"--out {out}: is a file; expected a folder that is not there yet")
     if not any(out.iterdir()):
         return
-    ours = any((out / mark).is_file() for mark in MARKS)
+    ours = any(any(out.glob(mark)) for mark in MARKS)
     if not ours:
         raise InputError(f"--out {out}: holds other things; choose another folder")
     if not force:
