@@ -13,6 +13,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from farhand.common.errors import InputError, RunFileError
 from farhand.common.geometry import Array
@@ -25,6 +26,7 @@ from farhand.exports.source import CAMERA, Run, Source
 from farhand.exports.statistics import Statistics
 from farhand.exports.video import Video
 
+Column = npt.NDArray[Any]
 CAMERA_KEY = "observation.images.camera"
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEOS = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
@@ -121,7 +123,7 @@ class _Dataset:
                     kept[-1][name] = values
         return kept
 
-    def _frames(self, number: int) -> dict[str, Array]:
+    def _frames(self, number: int) -> dict[str, Column]:
         """The columns that every dataset has, of one episode."""
         count = len(self._episodes[number].frames)
         start = sum(len(each.frames) for each in self._episodes[:number])
@@ -134,13 +136,13 @@ class _Dataset:
             "task_index": np.full(count, self._tasks.index(self._episodes[number].task), dtype=np.int64),
         }
 
-    def _statistics(self, number: int, frames: dict[str, Array]) -> dict[str, Statistics]:
+    def _statistics(self, number: int, frames: dict[str, Column]) -> dict[str, Statistics]:
         found = {name: Statistics.measured(values) for name, values in self._values[number].items()}
         if self._video is not None:
             found[CAMERA_KEY] = self._video.statistics[number]
         return found | {name: Statistics.measured(values) for name, values in frames.items()}
 
-    def _write_data(self, frames: list[dict[str, Array]]) -> None:
+    def _write_data(self, frames: list[dict[str, Column]]) -> None:
         import pyarrow as pa
 
         columns: dict[str, Any] = {}
@@ -291,7 +293,8 @@ def _look(run: Run) -> _Look:
     source = Source(run)
     try:
         camera = CAMERA in source.topics
-        joints, robot = (), ""
+        joints: tuple[str, ...] = ()
+        robot = ""
         for item in source.items():
             if isinstance(item, DecodedTick):
                 for _, _, message in item.arrived:

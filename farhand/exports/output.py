@@ -36,14 +36,15 @@ def whole_folder(out: Path, *, force: bool) -> Iterator[Path]:
     _check_free(out, force=force)
     parent = out.resolve().parent
     stage = parent / f".{out.resolve().name}.farhand-{os.getpid()}"
+    inner = stage / out.resolve().name  # of the same name, as some formats name files after their folder
     try:
         parent.mkdir(parents=True, exist_ok=True)
-        stage.mkdir()
+        inner.mkdir(parents=True)
     except OSError as error:
         raise InputError(f"--out {out}: cannot be written: {error.strerror or error}") from None
     try:
-        yield stage
-        _take_place(stage, out)
+        yield inner
+        _take_place(inner, out)
     finally:
         shutil.rmtree(stage, ignore_errors=True)
 
@@ -64,9 +65,7 @@ def _check_free(out: Path, *, force: bool) -> None:
         )
 
 
-def _take_place(stage: Path, out: Path) -> None:
-    aside = stage.with_name(f"{stage.name}.old")
+def _take_place(made: Path, out: Path) -> None:
     if out.exists():
-        out.rename(aside)
-    stage.rename(out)
-    shutil.rmtree(aside, ignore_errors=True)
+        out.rename(made.with_name(f"{made.name}.old"))  # goes with the stage
+    made.rename(out)

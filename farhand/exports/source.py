@@ -6,13 +6,13 @@ from pathlib import Path
 
 import msgspec
 
-from farhand.common.errors import RunFileError
 from farhand.common.recording.decoded import DecodedTick, TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
 from farhand.common.recording.reader import RunReader
 from farhand.common.recording.records import TICK, Gap, RunInfo, TickRecord
 from farhand.exports.images import Image, image_of
 from farhand.runs.files import RECORDING
+from farhand.runs.recordings import recording_at
 
 CAMERA = "/camera"
 _FATE_TOPICS = frozenset(FATE_TOPICS.values())
@@ -32,14 +32,8 @@ class Run:
 
 def run_at(path: Path) -> Run:
     """A run, by its folder or its file; raises RunFileError."""
-    if path.is_dir():
-        found = Run(path.resolve().name, path / RECORDING)
-    else:
-        named = path.resolve().parent.name if path.name == RECORDING else path.stem
-        found = Run(named, path)
-    if not found.path.is_file():
-        raise RunFileError(f"run {path}: no such file; expected a run's folder or its {RECORDING}")
-    return found
+    file = recording_at(path)
+    return Run(file.resolve().parent.name if file.name == RECORDING else file.stem, file)
 
 
 class Source:

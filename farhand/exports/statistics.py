@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from farhand.common.geometry import Array
 
@@ -23,7 +24,7 @@ class Statistics:
     count: int
 
     @staticmethod
-    def measured(values: Array) -> "Statistics":
+    def measured(values: npt.NDArray[Any]) -> "Statistics":
         """Of rows of values."""
         rows = np.asarray(values, dtype=float)
         rows = rows[:, None] if rows.ndim == 1 else rows

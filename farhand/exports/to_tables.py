@@ -10,7 +10,7 @@ from farhand.common.recording.fates import Fate
 from farhand.exports.source import Run, Source, joints_of
 from farhand.exports.table_files import FORMS, TableFile, describe
 from farhand.exports.tables import happening_row, message_row, run_row, state_row, tables, tick_row
-from farhand.foxglove.happenings import Happenings
+from farhand.foxglove.happenings import Happening, Happenings
 
 
 def write_tables(runs: Sequence[Run], form: str, folder: Path) -> list[Source]:
@@ -54,7 +54,7 @@ def _tick(
     run: str, tick: DecodedTick, files: dict[str, TableFile], follows: Happenings, start_ns: int
 ) -> None:
     files["ticks"].add(tick_row(run, tick, start_ns))
-    over = []
+    over: list[Happening] = []
     for arrived_ns, _, message in tick.arrived:
         if isinstance(message, RobotState):
             files["states"].add(state_row(run, tick.record.number, arrived_ns, message, start_ns))

@@ -48,17 +48,14 @@ class Video:
             if picture.size != self._size:
                 raise RunFileError(f"camera: pictures of {picture.size} and {self._size}; expected one size")
             if number % step == 0:
-                sampled.append(np.asarray(picture, dtype=np.float32).reshape(-1, 3) / 255.0)
-            frame = self._av.VideoFrame.from_image(picture)
+                sampled.append(np.asarray(picture, dtype=np.float64).reshape(-1, 3) / 255.0)
+            frame = self._av.VideoFrame.from_image(picture)  # type: ignore[no-untyped-call]
             frame.pts, frame.time_base = self._count, 1 / Fraction(self._fps)
             self._count += 1
             self._container.mux(self._stream.encode(frame))
         each = Statistics.of([Statistics.measured(pixels) for pixels in sampled])
-        self.statistics.append(
-            Statistics(
-                *(v.reshape(3, 1, 1) for v in (each.low, each.high, each.mean, each.std)), len(sampled)
-            )
-        )
+        low, high, mean, std = (v.reshape(3, 1, 1) for v in (each.low, each.high, each.mean, each.std))
+        self.statistics.append(Statistics(low, high, mean, std, len(sampled)))
 
     def feature(self) -> dict[str, Any]:
         """As info.json describes it."""
