@@ -1,6 +1,6 @@
 """Episodes of a LeRobot dataset: a frame a tick, from the first that drives to the last, without a gap."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from farhand.common.messages.base import Vector3
@@ -10,7 +10,7 @@ from farhand.common.recording.decoded import DecodedTick
 from farhand.common.recording.records import Gap
 from farhand.exports.applied import Applied, Twist
 from farhand.exports.images import Image
-from farhand.exports.source import Source
+from farhand.exports.source import Item, Source
 
 Values = dict[str, tuple[float, ...]]
 DRIFT = 0.75
@@ -66,7 +66,8 @@ class Episodes:
 
     def found(self) -> Iterator[Episode]:
         """All of them, each once it is over."""
-        for item in self._source.items(camera=self._camera):
+        epoch_ns = self._source.info.epoch_ns
+        for item in in_time(self._source.items(camera=self._camera), epoch_ns):
             if isinstance(item, Image):
                 self._image = item
             elif isinstance(item, Gap):
@@ -80,7 +81,7 @@ class Episodes:
             )
         if self.foreign:
             self._source.notes.append(
-                f"{self.foreign} ticks are left out: the robot followed commands of another program"
+                f"{self.foreign} ticks are left out: the robot followed commands that are not in the recording"
             )
 
     def _tick(self, tick: DecodedTick) -> Iterator[Episode]:
@@ -122,6 +123,28 @@ class Episodes:
         if over.frames:
             self._count += 1
             yield over
+
+
+def in_time(items: Iterable[Item], epoch_ns: int) -> Iterator[Item]:
+    """The same, with each picture right before the first tick that began after it; in a file it stands after one."""
+    pictures: list[Image] = []
+    held: Item | None = None
+    for item in items:
+        if isinstance(item, Image):
+            pictures.append(item)
+            continue
+        yield from _with_pictures(held, pictures, epoch_ns)
+        held = item
+    yield from _with_pictures(held, pictures, epoch_ns)
+
+
+def _with_pictures(held: Item | None, pictures: list[Image], epoch_ns: int) -> Iterator[Item]:
+    if isinstance(held, DecodedTick):
+        now_ns = held.record.now_ns + epoch_ns
+        yield from [each for each in pictures if each.log_ns <= now_ns]
+        pictures[:] = [each for each in pictures if each.log_ns > now_ns]
+    if held is not None:
+        yield held
 
 
 def values_of(report: ControlReport, state: RobotState, applied: Twist) -> Values:

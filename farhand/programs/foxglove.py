@@ -13,7 +13,7 @@ from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.recording.batch import TickBatch
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.run_file import RunFile
-from farhand.common.timing.clock import Clock, SystemClock, to_ns
+from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.foxglove.channels import Channels
 from farhand.foxglove.layout import SHIPPED
 from farhand.foxglove.playback import Playback
@@ -65,8 +65,8 @@ def foxglove_program(options: FoxgloveOptions) -> int:
     return 0
 
 
-def _play(  # noqa: PLR0913 (what a program has at hand)
-    run: Path, host: str, port: int, clock: Clock, stop_event: threading.Event, closing: ExitStack
+def _play(
+    run: Path, host: str, port: int, clock: SystemClock, stop_event: threading.Event, closing: ExitStack
 ) -> None:
     topics = RecordedTopics(recording_at(run))
     closing.callback(topics.close)
@@ -100,11 +100,11 @@ def _pause(stop_event: threading.Event, playback: Playback) -> None:
         playback.asked.wait(REST)
 
 
-def _follow(  # noqa: PLR0913 (what a program has at hand)
+def _follow(
     options: FoxgloveOptions,
     host: str,
     port: int,
-    clock: Clock,
+    clock: SystemClock,
     stop_event: threading.Event,
     closing: ExitStack,
 ) -> None:
