@@ -137,11 +137,14 @@ class Live:
         self._run: FollowedRun | None = None
         self._heard_ns: int | None = None
         self._trouble = ""
+        self._ended = 0
 
     def step(self, now_ns: int) -> bool:
         """Ask for what is new and send it; returns whether there is more at once."""
         run = self._run = self._run or FollowedRun(self._begin)
         batch = self._sources.ticks(run.next)
+        if batch is not None and batch.info.session == self._ended:
+            batch = None  # it lingers, and has said all
         self._heard_ns = now_ns if self._heard_ns is None else self._heard_ns
         if batch is not None and batch.ticks:
             self._heard_ns = now_ns
@@ -149,7 +152,7 @@ class Live:
             self._take(run, batch)
         if batch is not None and batch.ended:
             self._is_wrong("the operator's program has ended; what is shown is its last")
-        elif now_ns - self._heard_ns > SILENT_AFTER_NS:
+        elif now_ns - self._heard_ns > SILENT_AFTER_NS and not self._ended:
             self._is_wrong("nothing is heard of the operator's program; what is shown is old")
         elif batch is not None and batch.ticks:
             self._is_well()
@@ -172,6 +175,7 @@ class Live:
         if run.done:
             run.close()
             self._run = None
+            self._ended = batch.info.session if run.whole else 0
             if known and not run.whole:  # another program answers in its place
                 self._server.another_run()
 
