@@ -65,13 +65,16 @@ class Playback:
             shown_ns = min(shown_ns + int(passed_ns * speed), self._end_ns)
             self._player.advance(shown_ns)
         with self._lock:
-            if self._seek_ns is not None:  # asked meanwhile: that counts
+            if self._is_asked():  # meanwhile: that counts
                 return None
             self._shown_ns = shown_ns
             if not (self._playing and self._at_end):
                 return None
             self._playing, self._ended = False, True
             return self._state(did_seek=False, request_id=None)
+
+    def _is_asked(self) -> bool:
+        return self._seek_ns is not None
 
     @property
     def state(self) -> PlaybackState:

@@ -28,7 +28,11 @@ class Player:
         self._waiting: list[tuple[int, int, int, bytes]] = []
         self._next = len(topics.chunks)
         self._count = 0
-        self._merged = {topics.number_of(SCENE): Scene, topics.number_of(FRAMES): Frames}
+        kinds: list[tuple[int | None, type[Scene] | type[Frames]]] = [
+            (topics.number_of(SCENE), Scene),
+            (topics.number_of(FRAMES), Frames),
+        ]
+        self._merged = {number: kind for number, kind in kinds if number is not None}
 
     def seek(self, at_ns: int) -> None:
         """Go to an instant, and say what stood then: the newest of every topic, every frame, the whole scene."""

@@ -79,7 +79,8 @@ class Server:
                 message_backlog_size=BACKLOG,
             )
         except (OSError, RuntimeError) as error:
-            raise EndpointError(f"--listen {host}:{port}: {error}; choose another port") from None
+            why = str(error).removeprefix("FoxgloveError: ").removeprefix("Failed to bind port: ")
+            raise EndpointError(f"--listen {host}:{port}: {why}; choose another port") from None
 
     @property
     def port(self) -> int:

@@ -83,10 +83,14 @@ def _play(
     closing.callback(server.close)
     channels.append(server.channels(topics.specs))
     say("foxglove", f"{opened_by(server, SHIPPED)}; Ctrl-C ends it")
+    told_ns = -1
     while not stop_event.is_set():
+        asked = playback.asked.is_set()
         playback.asked.clear()
         changed = playback.go_on(clock.now_ns())
-        server.time(playback.shown_ns)
+        if asked or playback.shown_ns != told_ns:
+            told_ns = playback.shown_ns
+            server.time(told_ns)
         if changed is not None:
             server.state(changed)
         _pause(stop_event, playback)
