@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from farhand.common.messages.base import Vector3
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick
@@ -148,22 +147,15 @@ def _with_pictures(held: Item | None, pictures: list[Image], epoch_ns: int) -> I
 
 
 def values_of(report: ControlReport, state: RobotState, applied: Twist) -> Values:
-    """All features of a frame; see FEATURES."""
+    """All features of a frame."""
     velocity, angular = applied
     return {
         "action": (*report.desired, *report.desired_angular),
         "command.filtered": (*report.filtered, *report.angular),
         "command.applied": (*velocity, *angular),
-        "observation.state": state.joints or state.position,
-        "observation.tool_position": state.position,
-        "observation.tool_orientation": state.orientation,
-        "observation.tool_velocity": _twist(state.velocity, state.angular_velocity),
+        "observation.state": (*state.velocity, *state.angular_velocity),
+        "observation.environment_state": (*state.position, *state.orientation, *state.joints),
         "safety.clearance": (state.clearance,),
         "safety.margin": (report.inflation,),
         "safety.intervening": (float(report.intervening),),
-        "network.state_age": (report.state_age,),
     }
-
-
-def _twist(linear: Vector3, angular: Vector3) -> tuple[float, ...]:
-    return (*linear, *angular)

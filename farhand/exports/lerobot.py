@@ -32,18 +32,12 @@ DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEOS = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 TWIST = ("x", "y", "z", "angular_x", "angular_y", "angular_z")
-NAMES: dict[str, Sequence[str]] = {
-    "action": TWIST,
-    "command.filtered": TWIST,
-    "command.applied": TWIST,
-    "observation.tool_position": TWIST[:3],
-    "observation.tool_orientation": ("w", "x", "y", "z"),
-    "observation.tool_velocity": TWIST,
-}
-COMMANDS = ("action", "command.filtered", "command.applied")
+TWISTS = ("action", "command.filtered", "command.applied", "observation.state")
+"""On the same axes: what is asked and what the robot does can be held against each other."""
+PLACE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+NOISE = 1e-4
+"""m, rad: what changes less in a whole dataset stands still."""
 FLAGS = ("safety.intervening",)
-ALWAYS = ("action", "observation.state")
-"""What is there even where it never changes."""
 INDEX = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64",
          "task_index": "int64"}  # fmt: skip
 
@@ -95,7 +89,9 @@ class _Dataset:
     def __init__(self, folder: Path, episodes: list[Episode], look: "_Look", video: Video | None) -> None:
         self._folder, self._episodes, self._look, self._video = folder, episodes, look, video
         self._tasks = list(dict.fromkeys(episode.task for episode in episodes))
-        self._values = self._chosen([_arrays(episode) for episode in episodes])
+        arrays = [_arrays(episode) for episode in episodes]
+        self._kept = self._chosen(arrays)
+        self._values = [{name: each[name][:, kept] for name, kept in self._kept.items()} for each in arrays]
 
     def write(self) -> None:
         """All files but the video."""
@@ -108,20 +104,16 @@ class _Dataset:
         write_json(self._folder / "meta/stats.json", {name: each.plain() for name, each in whole.items()})
         write_json(self._folder / "meta/info.json", self._info())
 
-    @staticmethod
-    def _chosen(episodes: list[dict[str, Array]]) -> list[dict[str, Array]]:
-        """Without what never changes: angular axes that nobody turned about, and whole features."""
+    def _chosen(self, episodes: list[dict[str, Array]]) -> dict[str, list[int]]:
+        """The entries of each feature that are kept: what never changes teaches nothing, and cannot be normalised."""
         whole = {name: np.concatenate([each[name] for each in episodes]) for name in episodes[0]}
-        turned = any(np.any(np.ptp(whole[name][:, 3:], axis=0) > 0.0) for name in COMMANDS)
-        kept: list[dict[str, Array]] = []
-        for episode in episodes:
-            kept.append({})
-            for name, values in episode.items():
-                if name in COMMANDS and not turned:
-                    values = values[:, :3]
-                if name in ALWAYS or np.any(np.ptp(whole[name], axis=0) > 0.0):
-                    kept[-1][name] = values
-        return kept
+        changing = {
+            name: np.flatnonzero(np.ptp(values, axis=0) > (0.0 if name in TWISTS else NOISE))
+            for name, values in whole.items()
+        }
+        axes = sorted({int(axis) for name in TWISTS[:3] for axis in changing[name]}) or [0, 1, 2]
+        kept = {name: axes if name in TWISTS else [int(i) for i in found] for name, found in changing.items()}
+        return {name: entries for name, entries in kept.items() if entries}
 
     def _frames(self, number: int) -> dict[str, Column]:
         """The columns that every dataset has, of one episode."""
@@ -213,7 +205,7 @@ class _Dataset:
         for name, values in self._values[0].items():
             width = values.shape[1]
             kind = "bool" if name in FLAGS else "float32"
-            features[name] = {"dtype": kind, "shape": [width], "names": self._names(name, width)}
+            features[name] = {"dtype": kind, "shape": [width], "names": self._names(name)}
         if self._video is not None:
             features[CAMERA_KEY] = self._video.feature()
         features |= {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in INDEX.items()}
@@ -234,10 +226,14 @@ class _Dataset:
             "features": features,
         }
 
-    def _names(self, feature: str, width: int) -> list[str]:
-        if feature == "observation.state" and self._look.joints:
-            return list(self._look.joints)
-        return list(NAMES.get(feature, TWIST if width > 1 else (feature.rpartition(".")[2],))[:width])
+    def _names(self, feature: str) -> list[str]:
+        if feature in TWISTS:
+            names: Sequence[str] = TWIST
+        elif feature == "observation.environment_state":
+            names = (*PLACE, *self._look.joints)
+        else:
+            names = (feature.rpartition(".")[2],)
+        return [names[entry] for entry in self._kept[feature]]
 
 
 def _arrays(episode: Episode) -> dict[str, Array]:

@@ -50,9 +50,10 @@ def test_an_action_is_what_was_asked_in_the_tick_that_saw_the_state(dataset):
     filtered = [made.reports[tick].filtered for tick in ticks]
     assert column(frames, "command.filtered") == pytest.approx(np.array(filtered, dtype=np.float32))
     seen = [made.states[5 * tick - 1] for tick in ticks]
-    assert column(frames, "observation.state") == pytest.approx(
-        np.array([each.joints for each in seen], np.float32)
-    )
+    done = [(*each.velocity, *each.angular_velocity)[:3] for each in seen]
+    assert column(frames, "observation.state") == pytest.approx(np.array(done, np.float32))
+    place = [(*each.position, *each.orientation, *each.joints) for each in seen]
+    assert column(frames, "observation.environment_state") == pytest.approx(np.array(place, np.float32))
     sent = {each.seq: each for each in made.commands}
     for frame, at in zip(frames.to_dict("records"), seen, strict=True):
         followed = sent[at.applied_seq]
@@ -85,7 +86,12 @@ def test_indices_times_and_meta_agree(dataset):
     assert list(frames.frame_index) == list(frames["index"]) == list(range(TICKS - 1))
     assert frames.timestamp.dtype == np.float32
     assert frames.timestamp.to_numpy() == pytest.approx(np.arange(TICKS - 1) / 10, abs=1e-5)
-    assert about["features"]["observation.state"]["names"] == list(JOINTS)
+    assert (
+        about["features"]["action"]["names"]
+        == about["features"]["observation.state"]["names"]
+        == ["x", "y", "z"]
+    )
+    assert about["features"]["observation.environment_state"]["names"][7:] == list(JOINTS)
     for name, feature in about["features"].items():
         if feature["dtype"] != "video":
             assert np.stack(frames[name].to_numpy()).reshape(len(frames), -1).shape[1] == feature["shape"][0]
