@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
+from farhand.common.messages.base import Quaternion
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick
@@ -61,6 +62,7 @@ class Episodes:
         self._episode = Episode(task_of(source))
         self._idle: list[Frame] = []  # joins the episode once driving goes on
         self._due_ns = 0
+        self._turn: Quaternion | None = None
         self.foreign = self._count = 0
 
     def found(self) -> Iterator[Episode]:
@@ -114,11 +116,13 @@ class Episodes:
         if applied is None:
             self.foreign += 1
             return None
-        return Frame(values_of(report, state, applied), self._image)
+        self._turn = same_side(self._turn, state.orientation)
+        return Frame(values_of(report, state, applied, self._turn), self._image)
 
     def _over(self) -> Iterator[Episode]:
         over, self._episode = self._episode, Episode(self._episode.task)
         self._idle = []
+        self._turn = None
         if over.frames:
             self._count += 1
             yield over
@@ -146,7 +150,17 @@ def _with_pictures(held: Item | None, pictures: list[Image], epoch_ns: int) -> I
         yield held
 
 
-def values_of(report: ControlReport, state: RobotState, applied: Twist) -> Values:
+def same_side(before: Quaternion | None, now: Quaternion) -> Quaternion:
+    """Of q and -q, which are one orientation, the one nearer to the one before; without one, of a fixed sign."""
+    if before is None:
+        along = next((each for each in now if abs(each) >= 0.5), 1.0)  # a unit quaternion has one
+    else:
+        along = sum(a * b for a, b in zip(before, now, strict=True))
+    w, x, y, z = now
+    return (-w, -x, -y, -z) if along < 0.0 else now
+
+
+def values_of(report: ControlReport, state: RobotState, applied: Twist, orientation: Quaternion) -> Values:
     """All features of a frame."""
     velocity, angular = applied
     return {
@@ -154,7 +168,7 @@ def values_of(report: ControlReport, state: RobotState, applied: Twist) -> Value
         "command.filtered": (*report.filtered, *report.angular),
         "command.applied": (*velocity, *angular),
         "observation.state": (*state.velocity, *state.angular_velocity),
-        "observation.environment_state": (*state.position, *state.orientation, *state.joints),
+        "observation.environment_state": (*state.position, *orientation, *state.joints),
         "safety.clearance": (state.clearance,),
         "safety.margin": (report.inflation,),
         "safety.intervening": (float(report.intervening),),

@@ -11,6 +11,7 @@ from lerobot_doctor.runner import Severity, run_checks
 
 from farhand.common.errors import InputError
 from farhand.exports.applied import Applied
+from farhand.exports.episodes import same_side
 from farhand.exports.export import run_export
 from farhand.testing import command, state
 from tests.farhand.made_run import JOINTS, SIZE, STOPPED, TICKS, make_run
@@ -52,13 +53,25 @@ def test_an_action_is_what_was_asked_in_the_tick_that_saw_the_state(dataset):
     seen = [made.states[5 * tick - 1] for tick in ticks]
     done = [(*each.velocity, *each.angular_velocity)[:3] for each in seen]
     assert column(frames, "observation.state") == pytest.approx(np.array(done, np.float32))
-    place = [(*each.position, *each.orientation, *each.joints) for each in seen]
-    assert column(frames, "observation.environment_state") == pytest.approx(np.array(place, np.float32))
+    place = np.array([(*each.position, *each.orientation, *each.joints) for each in seen], np.float32)
+    told = column(frames, "observation.environment_state")
+    assert np.delete(told, range(3, 7), axis=1) == pytest.approx(np.delete(place, range(3, 7), axis=1))
+    turns = told[:, 3:7]
+    assert np.abs(np.sum(turns * place[:, 3:7], axis=1)) == pytest.approx(1.0, abs=1e-5)
+    assert (
+        np.sum(turns[1:] * turns[:-1], axis=1) > 0.0
+    ).all()  # q and -q are one: it never jumps between them
     sent = {each.seq: each for each in made.commands}
     for frame, at in zip(frames.to_dict("records"), seen, strict=True):
         followed = sent[at.applied_seq]
         assert frame["command.applied"] == pytest.approx(np.array(followed.velocity, np.float32))
     assert not np.allclose(column(frames, "command.applied"), column(frames, "action"))
+
+
+def test_an_orientation_does_not_jump_to_its_other_sign():
+    assert same_side(None, (-0.7, 0.7, 0.1, 0.0)) == (0.7, -0.7, -0.1, 0.0)
+    assert same_side((0.0, 0.7, 0.7, 0.0), (0.0, -0.7, -0.7, 0.01)) == (0.0, 0.7, 0.7, -0.01)
+    assert same_side((0.0, 0.7, 0.7, 0.0), (0.0, 0.7, 0.7, 0.01)) == (0.0, 0.7, 0.7, 0.01)
 
 
 def test_what_is_applied_follows_the_plan_and_is_nothing_where_the_robot_is_held():
