@@ -8,7 +8,7 @@ import msgspec
 
 from farhand.common.recording.decoded import DecodedTick, TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
-from farhand.common.recording.reader import RunReader
+from farhand.common.recording.reader import DAMAGED, RunReader
 from farhand.common.recording.records import TICK, Gap, RunInfo, TickRecord
 from farhand.exports.images import Image, image_of
 from farhand.runs.files import RECORDING
@@ -58,7 +58,7 @@ class Source:
         self.notes: list[str] = []
         self.ticks = 0
         self._expected = self.info.first_tick
-        self._known_missing = self._unreadable = self._fates = 0
+        self._left_out = self._unreadable = self._fates = 0
         if self.info.first_tick:
             self.notes.append(f"recording began with tick {self.info.first_tick} of the run")
 
@@ -95,9 +95,9 @@ class Source:
     def _tick(self, tick: DecodedTick) -> Iterator[Item]:
         number = tick.record.number
         if number > self._expected:
-            left_out = number - self._expected
-            yield self._gap(Gap(ticks=left_out, first_ns=tick.record.now_ns, last_ns=tick.record.now_ns,
-                                why="a damaged part of the file was left out"))  # fmt: skip
+            missing, now_ns = number - self._expected, tick.record.now_ns
+            self._left_out += missing
+            yield self._gap(Gap(ticks=missing, first_ns=now_ns, last_ns=now_ns, why=DAMAGED))
         self._expected = number + 1
         self.ticks += 1
         if tick.report is None or (tick.record.command is not None and tick.command is None):
@@ -106,7 +106,6 @@ class Source:
 
     def _gap(self, gap: Gap) -> Gap:
         self._expected += gap.ticks
-        self._known_missing += gap.ticks
         self.notes.append(f"{gap.ticks} ticks are missing after tick {self._expected - gap.ticks}: {gap.why}")
         return gap
 
@@ -114,15 +113,14 @@ class Source:
         reader = self._reader
         if reader.cut_off:
             self.notes.append("the file ends early; what was before the cut is there")
-        lost = reader.promised.get(TICK, 0) - self.ticks
-        lost -= self._known_missing if reader.damaged else 0
-        if lost > 0:
-            self.notes.append(f"{lost} ticks at its end are missing: a damaged part of the file was left out")
+        lost = reader.promised.get(TICK, 0) - self.ticks - self._left_out
+        if lost > 0:  # the last ones: no number after them tells
+            self.notes.append(f"{lost} ticks at its end are missing: {DAMAGED}")
         promised = sum(reader.promised.get(topic, 0) for topic in _FATE_TOPICS)
         if fates and promised > self._fates:
-            self.notes.append(
-                f"what became of {promised - self._fates} messages is missing: a damaged part of the file was left out"
-            )
+            self.notes.append(f"what became of {promised - self._fates} messages is missing: {DAMAGED}")
+        if fates and not _FATE_TOPICS <= self.topics:
+            self.notes.append(f"what became of some messages is missing: {DAMAGED}")
         if self._unreadable:
             self.notes.append(f"{self._unreadable} messages in it cannot be read and were left out")
 
