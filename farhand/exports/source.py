@@ -119,7 +119,7 @@ class Source:
         promised = sum(reader.promised.get(topic, 0) for topic in _FATE_TOPICS)
         if fates and promised > self._fates:
             self.notes.append(f"what became of {promised - self._fates} messages is missing: {DAMAGED}")
-        if fates and not _FATE_TOPICS <= self.topics:
+        if fates and not self.topics >= _FATE_TOPICS:
             self.notes.append(f"what became of some messages is missing: {DAMAGED}")
         if self._unreadable:
             self.notes.append(f"{self._unreadable} messages in it cannot be read and were left out")
