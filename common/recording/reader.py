@@ -136,6 +136,11 @@ class RunReader:
                     if gap is not None:  # else its ticks' numbers are missing all the same
                         yield gap
 
+    @property
+    def topics(self) -> frozenset[str]:
+        """All that the file has channels for."""
+        return frozenset(self._topics.values())
+
     def close(self) -> None:
         """Read no more."""
         self._file.close()

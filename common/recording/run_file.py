@@ -1,7 +1,8 @@
 """A run's file: ticks as they were and what views say of them; what cannot be written leaves a gap that it tells of."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Protocol
 
 import msgspec
 
@@ -21,6 +22,35 @@ _TICK = ChannelSpec(TICK, "msgpack", "farhand.Tick")
 _FATES = tuple(json_channel(topic, Fate) for topic in FATE_TOPICS.values())
 
 
+class Messages(Protocol):
+    """What a run's messages go into; see McapFile."""
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that are not written yet."""
+        ...
+
+    def add(self, channel: int, log_ns: int, data: bytes, sequence: int = 0) -> None:
+        """Take a message."""
+        ...
+
+    def metadata(self, name: str, data: dict[str, str]) -> None:
+        """Take a record of metadata."""
+        ...
+
+    def flush(self) -> None:
+        """Write what waits."""
+        ...
+
+    def discard(self) -> None:
+        """Forget what waits."""
+        ...
+
+    def close(self) -> None:
+        """Write the end."""
+        ...
+
+
 class RunFile:
     """Writes a run. None of its methods raises for want of disk; `missing` and `trouble` tell.
 
@@ -29,6 +59,7 @@ class RunFile:
         info: see RunInfo.
         views: what is told beside the ticks' bytes.
         file: in place of an unbuffered file at `path`.
+        into: makes what takes the messages in place of an MCAP file, from the channels that there will be.
 
     Attributes:
         missing: ticks that are not in the file, so far.
@@ -39,7 +70,12 @@ class RunFile:
     """
 
     def __init__(
-        self, path: Path, info: RunInfo, views: Sequence[View] = (), file: RawFile | None = None
+        self,
+        path: Path,
+        info: RunInfo,
+        views: Sequence[View] = (),
+        file: RawFile | None = None,
+        into: Callable[[tuple[ChannelSpec, ...]], Messages] | None = None,
     ) -> None:
         self.missing, self.trouble = 0, ""
         self._views = (JsonView(), *views)
@@ -51,7 +87,11 @@ class RunFile:
         self._open: list[int] = []  # the beginnings of the ticks in the open chunk
         self._gap: Gap | None = None  # to be noted before the next chunk
         try:
-            self._file = McapFile(_opened(path) if file is None else file, "farhand", FORMAT, channels)
+            self._file: Messages = (
+                into(channels)
+                if into is not None
+                else McapFile(_opened(path) if file is None else file, "farhand", FORMAT, channels)
+            )
             self._file.metadata(RUN, sealed(info))
         except OSError as error:
             raise RunFileError(f"run {path}: cannot be written: {error.strerror or error}") from None

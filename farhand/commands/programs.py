@@ -291,6 +291,29 @@ def record(
     raise typer.Exit(recorder_program(options))
 
 
+def foxglove(
+    run: Annotated[
+        Path | None, typer.Argument(help="A recording, or its folder (default: a running operator).")
+    ] = None,
+    connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
+    robot: RobotOption = "ur5",
+    netem: Annotated[
+        str, typer.Option(help="The emulator's --control endpoint: what became of every message.")
+    ] = "",
+    listen: Annotated[
+        str, typer.Option(metavar="HOST:PORT", help="Where Foxglove finds it; port 0: any that is free.")
+    ] = "127.0.0.1:8765",
+) -> None:
+    """Show a run in Foxglove: a running operator, or a recording with Foxglove's own play, pause and seek.
+
+    It shows, and moves nothing. It ends on Ctrl-C.
+    """
+    from farhand.programs.foxglove import FoxgloveOptions, foxglove_program
+
+    options = FoxgloveOptions(run=run, connect=connect, robot=robot, netem=netem, listen=listen)
+    raise typer.Exit(foxglove_program(options))
+
+
 def console(
     connect: Annotated[str, typer.Option(help="The operator's --report endpoint.")] = "tcp/127.0.0.1:7446",
     listen: Annotated[
@@ -381,6 +404,7 @@ def register(app: typer.Typer) -> None:
         doctor,
         watch,
         record,
+        foxglove,
         console,
         steer,
         devices,

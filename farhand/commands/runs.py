@@ -194,6 +194,25 @@ def summarise(
     raise typer.Exit(code)
 
 
+def export(
+    runs: Annotated[list[Path], typer.Argument(help="Folders of runs, or their recordings.")],
+    to: Annotated[
+        str, typer.Option("--to", metavar="lerobot | rosbag2 | csv | parquet", help="In which form.")
+    ],
+    out: Annotated[Path, typer.Option("--out", help="Folder to make.")],
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace the export that is in --out already.")
+    ] = False,
+) -> None:
+    """Write recordings as a LeRobot dataset, a ROS 2 bag, or tables.
+
+    Exit code 0: all is there. 1: something is missing in a recording, and is said. 2: bad input.
+    """
+    from farhand.exports.export import run_export
+
+    raise typer.Exit(run_export(runs, to, out, force=force))
+
+
 def scenarios() -> None:
     """What scenarios are built in."""
     from farhand.commands.options import print_rows
@@ -212,5 +231,5 @@ def networks() -> None:
 
 def register(app: typer.Typer) -> None:
     """Mount these commands."""
-    for command in (demo, simulate, summarise, scenarios, networks):
+    for command in (demo, simulate, summarise, export, scenarios, networks):
         app.command()(command)

@@ -65,24 +65,32 @@ class Body:
     def frames(self, state: RobotState, time_ns: int) -> list[FrameTransform]:
         """Of the tool, and of every link."""
         found = [transform(TOOL, state.position, state.orientation, time_ns)]
+        return found + [transform(name, at, turned, time_ns) for name, at, turned in self.links(state)]
+
+    def links(self, state: RobotState) -> list[tuple[str, base.Vector3, base.Quaternion]]:
+        """Every link's frame in base: name, position (m), orientation; empty: it has none that are known."""
         if self._chain is None or len(state.joints) != self._chain.nq:
-            return found
+            return []
         self._pin.framesForwardKinematics(self._chain, self._data, np.array(state.joints))
+        found: list[tuple[str, base.Vector3, base.Quaternion]] = []
         for index, name in self._links:
             placement = self._data.oMf[index]
             x, y, z, w = (float(value) for value in self._pin.Quaternion(placement.rotation).coeffs())
             px, py, pz = (float(value) for value in placement.translation)
-            found.append(transform(name, (px, py, pz), (w, x, y, z), time_ns))
+            found.append((name, (px, py, pz), (w, x, y, z)))
         return found
 
     def joints(self, state: RobotState, time_ns: int) -> JointStates:
         """Their positions (rad)."""
-        names = self.robot.joint_names or tuple(f"joint{i}" for i in range(len(state.joints)))
-        pairs = zip(names, state.joints, strict=False)
+        pairs = zip(self.joint_names(len(state.joints)), state.joints, strict=False)
         return JointStates(
             timestamp=stamp(time_ns),
             joints=[JointState(name=name, position=short(position)) for name, position in pairs],
         )
+
+    def joint_names(self, count: int) -> tuple[str, ...]:
+        """What so many joints are called."""
+        return self.robot.joint_names or tuple(f"joint{i}" for i in range(count))
 
     def entities(self, time_ns: int) -> list[SceneEntity]:
         """What it looks like: once, as each part moves with its frame."""

@@ -21,6 +21,7 @@ from farhand.common.messages.keys import command_key
 from farhand.common.process.teller import Teller
 from farhand.common.recording.reader import read_run
 from farhand.common.recording.records import RunInfo
+from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
 from farhand.common.timing.slot import Slot
@@ -35,8 +36,8 @@ from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity
 from farhand.operator_side.tick_history import TickHistory
+from farhand.programs.followed_run import FollowedRun
 from farhand.programs.operator import Course
-from farhand.programs.recorder import Recording
 from farhand.programs.wiring import make_operator
 from farhand.robot_side.main import run_robot
 from farhand.robot_side.robot_node import RobotNode
@@ -319,7 +320,7 @@ def test_what_a_program_keeps_for_its_recorder_is_whole(tmp_path):
     ticks = []
     node.listeners += [ticks.append, lambda report: len(ticks) == 3 and stop.set()]
     run_operator(node, clock, stop, realtime=False)
-    recording = Recording(path)
+    recording = FollowedRun(lambda info: RunFile(path, info))
     recording.take(server.answer(b'{"since": 0}'))
     recording.close()
     server.close()
