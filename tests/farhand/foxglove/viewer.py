@@ -21,7 +21,13 @@ class Viewer:
     def __init__(self, port):
         self._closing = ExitStack()
         self._socket = self._closing.enter_context(
-            connect(f"ws://127.0.0.1:{port}", subprotocols=["foxglove.sdk.v1"], max_size=None, proxy=None)
+            connect(
+                f"ws://127.0.0.1:{port}",
+                subprotocols=["foxglove.sdk.v1"],
+                max_size=None,
+                proxy=None,
+                close_timeout=0.2,
+            )
         )
         self.channels, self.status, self.times, self.states = {}, {}, [], []
         self.said, self.sessions = deque(), []
@@ -37,6 +43,10 @@ class Viewer:
         with suppress(TimeoutError):
             while True:
                 self._take(self._socket.recv(timeout=seconds))
+
+    def heard(self):
+        """Topics of which something came."""
+        return {topic for topic, *_ in self.said}
 
     def subscribe(self):
         """To everything."""
