@@ -22,7 +22,7 @@ from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick
 from farhand.common.timing.clock import to_ns
 from farhand.exports.episodes import Episode, Episodes, Frame
-from farhand.exports.source import CAMERA, Run, Source
+from farhand.exports.source import Run, Source, has_pictures
 from farhand.exports.statistics import Statistics
 from farhand.exports.video import Video
 
@@ -288,7 +288,7 @@ def _look(run: Run) -> _Look:
     """The kind of a run, by the first tick that says it."""
     source = Source(run)
     try:
-        camera = CAMERA in source.topics
+        camera = has_pictures(run)
         joints: tuple[str, ...] = ()
         robot = ""
         for item in source.items():

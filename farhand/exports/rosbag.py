@@ -13,11 +13,12 @@ from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick
 from farhand.exports.images import Image
 from farhand.exports.ros_messages import ERROR, WARN, Ros
-from farhand.exports.source import CAMERA, Run, Source
+from farhand.exports.source import Run, Source, has_pictures
 from farhand.foxglove.body import Body
 from farhand.foxglove.figures import PREDICTED, TOOL
 from farhand.foxglove.happenings import Happening, Happenings
 
+PICTURES = "/camera/compressed"
 TOPICS = {
     "/joint_states": "sensor_msgs/msg/JointState",
     "/tf": "tf2_msgs/msg/TFMessage",
@@ -30,7 +31,7 @@ TOPICS = {
     "/obstacles": "visualization_msgs/msg/MarkerArray",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
     "/rosout": "rcl_interfaces/msg/Log",
-    "/camera/compressed": "sensor_msgs/msg/CompressedImage",
+    PICTURES: "sensor_msgs/msg/CompressedImage",
 }
 """What is in the bag. In virtual time stamps are those of the operator's clock, from 1 s on."""
 Said = Iterator[tuple[str, int, Any]]
@@ -56,10 +57,11 @@ def _bag(run: Run, folder: Path) -> Source:
     source = Source(run)
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as bag:
         bag.set_custom_data("farhand", source.info.git or source.info.versions.get("farhand", ""))
+        filmed = has_pictures(run)
         ways = {
             topic: bag.add_connection(topic, kind, typestore=store)
             for topic, kind in TOPICS.items()
-            if topic != "/camera/compressed" or CAMERA in source.topics
+            if topic != PICTURES or filmed
         }
         for topic, time_ns, message in _Story(source, Ros(store.types)).said():
             bag.write(ways[topic], time_ns, store.serialize_cdr(message, TOPICS[topic]))
@@ -83,7 +85,7 @@ class _Story:
         """All messages: topic, time, message."""
         for item in self._source.items(camera=True):
             if isinstance(item, Image):
-                yield "/camera/compressed", item.log_ns, self._ros.image(item.log_ns, item.format, item.data)
+                yield PICTURES, item.log_ns, self._ros.image(item.log_ns, item.format, item.data)
             elif isinstance(item, DecodedTick):
                 yield from self._tick(item)
 

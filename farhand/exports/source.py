@@ -8,7 +8,7 @@ import msgspec
 
 from farhand.common.recording.decoded import DecodedTick, TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
-from farhand.common.recording.reader import DAMAGED, RunReader
+from farhand.common.recording.reader import DAMAGED, Entry, RunReader
 from farhand.common.recording.records import TICK, Gap, RunInfo, TickRecord
 from farhand.exports.images import Image, image_of
 from farhand.runs.files import RECORDING
@@ -123,6 +123,15 @@ class Source:
             self.notes.append(f"what became of some messages is missing: {DAMAGED}")
         if self._unreadable:
             self.notes.append(f"{self._unreadable} messages in it cannot be read and were left out")
+
+
+def has_pictures(run: Run) -> bool:
+    """Whether there is a picture in it: every recording has a channel for them."""
+    reader = RunReader(run.path)
+    try:
+        return any(isinstance(item, Entry) for item in reader.items(lambda topic: topic == CAMERA))
+    finally:
+        reader.close()
 
 
 def joints_of(run: Run) -> int:
