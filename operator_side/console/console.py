@@ -5,6 +5,7 @@ from typing import Any
 
 from farhand.common.link.link import Link
 from farhand.common.messages.keys import mirror_key
+from farhand.common.timing.clock import to_ns
 from farhand.operator_side.console.absence import Absence
 from farhand.operator_side.console.camera import CameraFeed
 from farhand.operator_side.console.frames import frame, situation
@@ -14,7 +15,7 @@ from farhand.operator_side.console.robot_model import RobotModel
 from farhand.operator_side.console.said import ChooseNetwork, Ordered
 from farhand.operator_side.console.seat import Seat
 from farhand.operator_side.console.sight import Sight
-from farhand.operator_side.console.status import Situation, lost, unheard
+from farhand.operator_side.console.status import LOST_AFTER, Situation, lost, unheard
 from farhand.operator_side.steering.sender import SteeringSender
 
 FindModel = Callable[[str], RobotModel | None]
@@ -42,7 +43,7 @@ class Console:
         self.camera = CameraFeed(robot)
         self._link, self._find, self._network = link, find_model, network
         self._sender = SteeringSender(robot, link, session, "console", "the console")
-        self._absence, self._sight = Absence(), Sight()
+        self._absence, self._sight = Absence(to_ns(LOST_AFTER)), Sight()
         self._camera_key = mirror_key(robot, "camera")
         self._model: tuple[str, RobotModel | None] = ("", None)
 

@@ -17,6 +17,7 @@ class Operator:
         self.clock, self.told, self.seq = SystemClock(), [], 0
         self.told_ns = []
         self.state, self.silent, self.camera, self.pictures = {}, False, False, []
+        self.shown = 0
         self.decoder = Decoder(Steering)
         self.obstacles = (Obstacle("ball", (0.5, 0.0, 0.3), 0.07),)
 
@@ -37,6 +38,7 @@ class Operator:
             mirror_key("r", "command"): command(self.seq, plan=((0.1, 0.0, 0.0),)),
         }
         pictures, self.pictures = self.pictures, []
+        self.shown += self.camera
         seen = [Packet(mirror_key("r", "camera"), b"", self.clock.now_ns())] if self.camera else []
         messages = [*found.items(), *((mirror_key("r", "camera"), each) for each in pictures)]
         return seen + [Packet(key, encode(message), self.clock.now_ns()) for key, message in messages]

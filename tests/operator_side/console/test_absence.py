@@ -27,6 +27,13 @@ def test_it_is_said_for_a_while_or_until_a_press():
     assert not absence.was_lost
 
 
+def test_the_silence_before_it_was_noticed_counts():
+    absence = Absence(unnoticed_ns=1 * S)
+    for lost, at in ((False, 0), (True, 4 * S), (False, 4 * S + 1)):
+        absence.note(lost, at, pressed=False)
+    assert absence.was_lost == pytest.approx(1.0)
+
+
 def test_the_first_news_is_no_return():
     absence = Absence()
     absence.note(True, 0, pressed=False)

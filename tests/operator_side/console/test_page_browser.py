@@ -226,6 +226,8 @@ def test_a_frozen_camera_lets_go_and_locks_until_it_shows_something_again(desk):
     desk.operator.camera = True
     try:
         desk.presses()
+        shown = desk.operator.shown
+        desk.until(lambda: desk.operator.shown >= shown + 3, "pictures come")
         desk.operator.camera = False
         began_ns = desk.operator.clock.now_ns()
         desk.until(lambda: not desk.engaged, "it lets go")
@@ -378,7 +380,8 @@ def test_everything_fits_and_the_stop_is_in_sight(desk, size):
 def test_a_new_page_claims_nothing_that_nobody_measured_or_asked_for(desk):
     assert desk.browser.text("estop").startswith("E-STOP")
     assert desk.browser.text("link") == "–"
-    assert "again" not in desk.browser.text("sentence")
+    desk.until(lambda: not desk.console._absence.was_lost, "a busy machine's own silence is told no more")
+    desk.until(lambda: "again" not in desk.browser.text("sentence"), "it claims no return")
 
 
 def test_a_stop_is_asked_for_until_the_robot_shows_it(desk):
