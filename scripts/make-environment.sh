@@ -62,8 +62,8 @@ fi
 
 extras="[gamepad]"
 [ "${1:-}" != tests ] || extras="[dev,dask,parquet,gamepad,spacemouse]"
-what="1.2 GB"
-[ "${1:-}" != tests ] || what="1.5 GB, with what tests and checks need"
+what="1.3 GB"
+[ "${1:-}" != tests ] || what="1.8 GB, with what tests and checks need"
 echo "farhand: installing the pinned dependencies into .venv ($what; one to four minutes the first time)"
 pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
 # Environments that were made before had only the UR5's description left.
