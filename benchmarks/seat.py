@@ -35,7 +35,7 @@ from farhand.testing import Programs, command, description, report, scene, state
 from tests.operator_side.console.browser import CHROMIUM, DRIVER, Browser
 from tests.operator_side.console.caller import Caller
 
-TICK, BEYOND = 0.1, 0.015
+TICK, BEYOND = 0.02, 0.015
 """Of the controller, and what may be added to it (s)."""
 GHOST_WITHIN = 0.05
 SHARE, LATER = 0.10, 1.2
