@@ -90,7 +90,8 @@ class Tester(SteeringDevice):
             angular = self._angular(away)
             # Not there before it is turned: what is left of the way takes as long as what is left of the turn.
             speed = min(speed, max(SLOWEST, gap * self._speeds.turn_speed / max(norm(away), TURNED)))
-        scale = speed / gap
+        # A robot may stand on its target to the last bit: one that was restarted stands where it began.
+        scale = speed / gap if gap > 0.0 else 0.0
         velocity = (offset[0] * scale, offset[1] * scale, offset[2] * scale)
         if self._sidestep is not None:
             instant = Instant(view.now_ns, state.position, state.velocity, view.free)

@@ -51,6 +51,16 @@ def test_the_testers_speed_law():
         assert wanted.engaged
 
 
+@pytest.mark.parametrize("settings", [{}, {"orientations": ((1.0, 0.0, 0.0, 0.0),)}, {"sidestep": True}])
+def test_on_the_very_target_it_wishes_nothing(settings):
+    """Where progress does not count, as after a restart of the robot, the next target may be where it stands."""
+    targets = Targets(0.02)
+    targets.update(state(), scene((0.0, 0.0, 0.0)), driving=False)
+    wish = PaperTester(TesterSettings(**settings)).read(View(state(), scene(), targets, 0))
+    assert wish.velocity == (0.0, 0.0, 0.0)
+    assert wish.engaged
+
+
 def test_the_tester_heads_straight_for_one_target_after_the_other():
     seat = Driver((1.0, 0, 0), (1.01, 0, 0), (0, 1.0, 0))
     assert (seat.progress, seat.targets.finished) == ((0, 0), False)
