@@ -10,6 +10,7 @@ from farhand.commands.arm import arm_app
 from farhand.commands.certs import certs_app
 from farhand.commands.help_words import in_plain_words
 from farhand.commands.laboratory import register as register_experiments
+from farhand.commands.margin import margin_app
 from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
 from farhand.commands.recordings import register as register_recordings
@@ -42,6 +43,7 @@ register_programs(app)
 register_experiments(app)
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
+app.add_typer(margin_app, name="margin")
 app.add_typer(trial_app, name="trial")
 app.add_typer(certs_app, name="certs")
 app.add_typer(arm_app, name="arm")

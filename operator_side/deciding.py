@@ -250,6 +250,10 @@ class Decider:
             rtt_std=self._round_trip.std,
             innovation=mind.innovations.largest,
             spread=prediction.spread,
+            rtt_newest=self._round_trip.newest or 0.0,
+            age=self._round_trip.age(now_ns),
+            loss=self._round_trip.loss or 0.0,
+            period=self._pace.tick,
         )
         return prediction, checked_margin(self._margin.evaluate(given))
 
