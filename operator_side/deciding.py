@@ -31,6 +31,7 @@ from farhand.operator_side.prediction.command_history import CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
 from farhand.operator_side.prediction.law import Known, Prediction, StatePredictor
 from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.operator_side.prediction.response import Identification, Response
 from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
 from farhand.operator_side.settings import OperatorScenario
@@ -51,12 +52,14 @@ class Mind:
     Attributes:
         robot: as it describes itself.
         innovations: errors of the predictions so far.
+        identification: how it really follows its commands.
         predictor: where it will be.
         filter: what it may do.
     """
 
     robot: RobotDescription
     innovations: Innovations
+    identification: Identification
     predictor: StatePredictor
     filter: SafetyFilter
 
@@ -151,6 +154,12 @@ class Decider:
         """Learn from the newest state how good the predictions were."""
         if self._mind is not None:
             self._mind.innovations.observe(state)
+            self._mind.identification.observe(state)
+
+    @property
+    def response(self) -> Response:
+        """How the robot really followed its commands so far."""
+        return self._mind.identification.estimate() if self._mind is not None else Response()
 
     def step(self, seq: int, now_ns: int) -> Decided:
         """What command `seq` shall be; after a kind's fault, standing still. Never raises."""
@@ -237,6 +246,7 @@ class Decider:
             self._mind = mind = Mind(
                 robot,
                 Innovations(known, pace.ticks(self._scenario.margin.innovation_span)),
+                Identification(known),
                 self._prediction_law(known),
                 SafetyFilter(settings, self._controller, robot, trails=trails, tick=pace.tick),
             )

@@ -279,6 +279,8 @@ class _World:
             rtt_mean=rtt_mean,
             rtt_std=rtt_std,
             overruns=tally.last.overruns if tally.last is not None else 0,
+            lag=operator.response.lag,
+            acceleration=operator.response.acceleration,
         )
         return OperatorResult(
             **msgspec.structs.asdict(counted),

@@ -276,6 +276,8 @@ def _result(
         rtt_std=rtt_std,
         overruns=outcome.overruns,
         lateness_p99=outcome.lateness_p99,
+        lag=node.response.lag,
+        acceleration=node.response.acceleration,
     )
     return OperatorResult(
         **msgspec.structs.asdict(counted),

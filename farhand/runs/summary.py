@@ -42,6 +42,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         guard_pairs: part and obstacle for whose sake the guard on the robot acted, longest first.
         nearest_part, nearest_to_arm: the part of the arm that came nearest to an obstacle, and that obstacle.
         period: of a control tick (s).
+        lag: of the robot's velocity response, as the scenario says (s).
         acknowledges_itself: whether the steering device acknowledges stops without a person.
         refused: commands that the robot refused.
         refused_by: the same by reason.
@@ -88,6 +89,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     nearest_to_arm: str = ""
     guard_pairs: list[GuardedPair] = msgspec.field(default_factory=list)
     period: float = 0.1
+    lag: float | None = None
     acknowledges_itself: bool = False
     counts: Counts = Counts()
 
@@ -157,6 +159,7 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
         why=why,
         driven=driven,
         too_near=near,
+        lag=scenario.robot.lag,
         interruptions=[(t - began, mode, reason) for t, mode, reason in robot.interruptions],
         radius=scenario.robot.radius,
         nearest_obstacle=robot.nearest_obstacle,
