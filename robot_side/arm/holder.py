@@ -1,5 +1,7 @@
 """What keeps the arm from following a tool velocity: a joint's limit, its reach, a singularity, a joint's speed."""
 
+from operator import mul
+
 import numpy as np
 
 from farhand.common.geometry import Array, norm
@@ -29,8 +31,9 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
         commanded: (n,) joint velocities that were commanded for it (rad/s).
         wanted: (3,) tool velocity (m/s).
     """
-    speed = norm(wanted.tolist())
-    if speed < SLOW or float((jacobian[:3] @ commanded) @ wanted) >= FOLLOWED * speed**2:
+    line = wanted.tolist()
+    speed = norm(line)
+    if speed < SLOW or _along(line, jacobian, commanded) >= FOLLOWED * speed**2:
         return ""
     # What the joints would have to do, a little damped, so that a singular arm has an answer as well.
     least = 1e-4 * np.eye(6)
@@ -45,6 +48,15 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
     fast = np.abs(free) / kinematics.max_velocity
     fastest = kinematics.arm.joint_names[int(np.argmax(fast))]
     return f"speed limit of {fastest}" if float(fast.max()) > 1.0 else ""
+
+
+def _along(line: list[float], jacobian: Array, commanded: Array) -> float:
+    """The tool's commanded velocity times a line (3,); asked for at every state, so without numpy's overhead."""
+    total, qd = 0.0, commanded.tolist()
+    for component, row in zip(line, jacobian[:3].tolist(), strict=True):
+        if component:
+            total += component * sum(map(mul, row, qd))
+    return total
 
 
 def _singularity(q: Array, jacobian: Array, arm: ArmModel) -> str:

@@ -1,9 +1,11 @@
 """An arm in PyBullet: joint velocity motors with the arm's torque limits, inertias from the file."""
 
+import math
 import tempfile
 from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
+from struct import Struct
 
 import numpy as np
 
@@ -129,9 +131,13 @@ class ArmRobot(ArmWorld, Robot):
         self._chain = ArmChain(arm)
         self._keeps_direction = scenario.robot.velocity_control == "direction"
         self._commanded: Array = np.zeros(arm.n)
+        # Positions and velocities of the joints, written together and in place: this happens in every period.
+        self._joints: Array = np.zeros(2 * arm.n)
+        self._q, self._qd = self._joints[: arm.n], self._joints[arm.n :]
+        self._write = Struct(f"{2 * arm.n}d").pack_into
         self._twist, self._wanted, self._omega = STILL, np.zeros(3), np.zeros(3)
-        self._q_measured: Array = np.full(arm.n, np.inf)  # where the arm's clearance was measured last
-        self._lengths = _lengths(arm)
+        self._measured = (math.inf,) * arm.n  # joint positions at which the arm's clearance was measured last
+        self._lengths = _lengths(arm).tolist()
         self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
@@ -227,8 +233,9 @@ class ArmRobot(ArmWorld, Robot):
 
     def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
         # A joint's turn moves no point by more than the arm is long from there on.
-        moved = float(np.abs(self._q - self._q_measured) @ self._lengths)
-        self._q_measured = self._q
+        way = zip(self._positions, self._measured, self._lengths, strict=True)
+        moved = sum([abs(now - then) * length for now, then, length in way])
+        self._measured = self._positions
         return self._obstacles.nearest(obstacles, moved)
 
     def held_by(self) -> str:
@@ -246,8 +253,7 @@ class ArmRobot(ArmWorld, Robot):
     def _read(self) -> None:
         states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)
         self._positions = tuple([state[0] for state in states])
-        self._q = np.array(self._positions)
-        self._qd = np.array([state[1] for state in states])
+        self._write(self._joints, 0, *self._positions, *[state[1] for state in states])
         self._tool = self._chain.at(self._q, self._qd)
 
 
