@@ -144,6 +144,7 @@ class Decider:
         predictor = scenario.operator.predictor or self._margin.predictor
         self._prediction_law = PREDICTORS.get(predictor, "operator.predictor")
         self._mind: Mind | None = None
+        self._described: RobotDescription | None = None  # the last one that said the same of the robot
         self._blockage = Blockage()
         self._refused_after = 0.0  # s from the first command to news of stale ones
         self.targets = Targets(scenario.operator.tolerance)
@@ -239,7 +240,10 @@ class Decider:
         robot, mind, settings = self._perception.description, self._mind, self._scenario.controller
         if robot is None:
             return None
-        if mind is None or not (robot is mind.robot or robot.same_robot(mind.robot)):
+        if robot is self._described and mind is not None:
+            return mind
+        self._described = robot
+        if mind is None or not robot.same_robot(mind.robot):
             pace = self._pace
             known = Known(self._senses.history, self._session, pace.tick, robot.lag)
             trails = self._prediction_law.compensates_lag

@@ -66,13 +66,19 @@ def values(problem: ControlProblem, away: Array) -> Array:
     return np.where(problem.flat[:, None] != 0.0, heights, squares)
 
 
+def offsets(problem: ControlProblem) -> tuple[Array, Array]:
+    """The start's offsets from the obstacles' centres (n, 3), and their lengths (n,), m."""
+    away = problem.position - problem.centres
+    lengths: Array = np.sqrt(np.einsum("jk,jk->j", away, away))
+    return away, lengths
+
+
 def gaps(problem: ControlProblem) -> tuple[Array, Array]:
     """Distance of the start from each obstacle's centre, of a plane from it (n,), and outward normals (n, 3).
 
     Where the start is at a centre, the normal is zero.
     """
-    away = problem.position - problem.centres
-    lengths = np.sqrt(np.einsum("jk,jk->j", away, away))
+    away, lengths = offsets(problem)
     outward = away / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     if problem.normals is None:
         return lengths, outward
