@@ -60,7 +60,7 @@ class BulletObstacles:
         if self._nearest >= 0:
             found = (min(_FAR, self._ceiling + moved + _ROUNDING), len(obstacles), -1)
         for k in sorted(range(len(self._lowest)), key=self._lowest.__getitem__):
-            if self._lowest[k] - self._sunk >= found[0]:
+            if self._lowest[k] - self._sunk >= found[0] + _ROUNDING:
                 break
             found = self._measure(k, found)
         best, index, link = found
@@ -73,7 +73,7 @@ class BulletObstacles:
         floors, sunk, solid, client = self._floors[k], self._sunk, self._solids[k], self._client
         for i in sorted(range(len(floors)), key=floors.__getitem__):
             best, link = found[0], self._links[i]
-            if floors[i] - sunk >= best:
+            if floors[i] - sunk >= best + _ROUNDING:
                 break
             # The nearer the limit, the more Bullet skips; a little more spares asking again the next times.
             reach = best if found[2] == -1 else min(_FAR, best + _AHEAD)

@@ -1,6 +1,5 @@
 """An arm in PyBullet: joint velocity motors with the arm's torque limits, inertias from the file."""
 
-import math
 import tempfile
 from collections.abc import Sequence
 from itertools import combinations
@@ -20,6 +19,7 @@ from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
+from farhand.robot_side.kernel.body import moved_at_most
 from farhand.robot_side.robots.arms import chosen_arm
 from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
@@ -132,15 +132,17 @@ class ArmRobot(ArmWorld, Robot):
         self._keeps_direction = scenario.robot.velocity_control == "direction"
         self._commanded: Array = np.zeros(arm.n)
         # Positions and velocities of the joints, written together and in place: this happens in every period.
-        self._joints: Array = np.zeros(2 * arm.n)
-        self._q, self._qd = self._joints[: arm.n], self._joints[arm.n :]
+        joints: Array = np.zeros(2 * arm.n)
+        self._q, self._qd, self._joints = joints[: arm.n], joints[arm.n :], joints.data
         self._write = Struct(f"{2 * arm.n}d").pack_into
         self._twist, self._wanted, self._omega = STILL, np.zeros(3), np.zeros(3)
-        self._measured = (math.inf,) * arm.n  # joint positions at which the arm's clearance was measured last
-        self._lengths = _lengths(arm).tolist()
+        # the joints' frames where the arm's clearance was measured last
+        self._R_then, self._p_then = np.zeros((arm.n, 3, 3)), np.full((arm.n, 3), np.inf)
+        self._reach = _reach(arm)
         self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
+        self._moved()
 
     @classmethod
     def for_scenario(cls, scenario: RobotScenario) -> "ArmRobot":
@@ -232,11 +234,15 @@ class ArmRobot(ArmWorld, Robot):
         return None if nearest is None else nearest[0]
 
     def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
-        # A joint's turn moves no point by more than the arm is long from there on.
-        way = zip(self._positions, self._measured, self._lengths, strict=True)
-        moved = sum([abs(now - then) * length for now, then, length in way])
-        self._measured = self._positions
-        return self._obstacles.nearest(obstacles, moved)
+        return self._obstacles.nearest(obstacles, self._moved())
+
+    def _moved(self) -> float:
+        """How far any point of the arm can have gone since this was asked last (m)."""
+        now = self._chain
+        moved: float = moved_at_most(
+            now.R_base_joint, now.p_base_joint, self._R_then, self._p_then, self._reach
+        )
+        return moved
 
     def held_by(self) -> str:
         """See Robot."""
@@ -270,12 +276,10 @@ def _controls(world: ArmWorld, scenario: RobotScenario) -> tuple[VelocityControl
     return control, guard
 
 
-def _lengths(arm: ArmModel) -> Array:
-    """(n,) no point that moves with a joint is farther than this from it (m)."""
+def _reach(arm: ArmModel) -> float:
+    """No point of a link is farther than this from the frame of the joint that moves it (m)."""
     ends = [float(np.linalg.norm(end)) + each.radius for each in arm.capsules for end in (each.a, each.b)]
-    to_the_joint = np.cumsum(np.linalg.norm(arm.p_parent_joint, axis=1))
-    lengths: Array = to_the_joint[-1] - to_the_joint + max(ends, default=0.0) + _SPARE
-    return lengths
+    return max(ends, default=0.0) + _SPARE
 
 
 def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:
