@@ -72,9 +72,9 @@ class TimedPhysics:
         setattr(self, name, found)
         return found
 
-    def stepSimulation(self, **options: Any) -> None:  # noqa: N802 (PyBullet's name)
+    def stepSimulation(self, client: int) -> None:  # noqa: N802 (PyBullet's name)
         began = thread_seconds()
-        self._bullet.stepSimulation(**options)
+        self._bullet.stepSimulation(client)
         self.spent += thread_seconds() - began
 
 

@@ -101,12 +101,14 @@ class SafetyFilter:
         spheres = obstacles.spheres
         desired, kept, trail = np.array(ahead.desired), radii, self._trail if spheres else None
         if trail is not None:
+            planes = spheres < len(radii)
+            body = radii[:spheres] if planes else radii
             away = position - seen.centres[:spheres]
             gaps = np.sqrt(np.add.reduce(away * away, axis=1))
             speeds = seen.speeds[:spheres]
-            desired = trail.desired(desired, radii[:spheres], gaps, speeds)
-            grown = trail.radii(radii[:spheres], desired, norm(ahead.state.velocity), speeds)
-            kept = np.concatenate([grown, radii[spheres:]])
+            desired = trail.desired(desired, body, gaps, speeds)
+            grown = trail.radii(body, desired, norm(ahead.state.velocity), speeds)
+            kept = np.concatenate([grown, radii[spheres:]]) if planes else grown
         problem = ControlProblem(
             position=position,
             desired=desired,
@@ -123,11 +125,11 @@ class SafetyFilter:
         binding = obstacles.ids[solution.binding] if solution.binding >= 0 else ""
         lag_part = 0.0
         if trail is not None:
-            balls = subset(problem, np.arange(spheres)) if spheres < len(radii) else problem
-            plan, reason = self._kept_from_corners(balls, radii[:spheres], plan, reason, ahead)
-            parts = grown - radii[:spheres]
-            lag_part = float(parts[np.argmin(gaps - radii[:spheres])])
-            trail.learn(desired, plan[0], float(np.max(parts)))
+            balls = subset(problem, np.arange(spheres)) if planes else problem
+            plan, reason = self._kept_from_corners(balls, body, plan, reason, ahead)
+            parts = grown - body
+            lag_part = float(parts[np.argmin(gaps - body)])
+            trail.learn(desired, plan[0], float(parts.max()))
         return Filtered(plan, solution, binding, reason, lag_part)
 
     def problem_from(self, start: Vector3) -> ControlProblem | None:

@@ -99,7 +99,8 @@ class VirtualExecutor:
         if slot.wake_ns is not None and slot.wake_ns <= instant_ns:
             return
         slot.wake_ns = instant_ns
-        self.call_at(instant_ns, slot.priority, slot.wake)
+        self._counter += 1
+        heapq.heappush(self._heap, (instant_ns, slot.priority, self._counter, slot.wake))
 
     def _step(self, slot: _Slot, now_ns: int) -> None:
         if slot.wake_ns != now_ns:

@@ -34,8 +34,8 @@ def frames(chain, q, R, p):
 def moved_at_most(R, p, R_then, p_then, reach):
     """How far any point can have gone that is within `reach` (m) of a joint's frame and moves with it (m).
 
-    The frames were R_then and p_then, which become R and p now. A turn by an angle a moves a point by at most 2 sin(a/2)
-    times its distance, which is |R - R_then|_F / sqrt(2) times it.
+    The frames were R_then and p_then, which become R and p now. A turn by an angle a moves a point by at most
+    2 sin(a/2) times its distance, which is |R - R_then|_F / sqrt(2) times it.
     """
     most = 0.0
     for i in range(R.shape[0]):

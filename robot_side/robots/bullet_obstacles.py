@@ -59,8 +59,8 @@ class BulletObstacles:
         found = (_FAR, -1, -1)  # distance, obstacle, link: of equals the first
         if self._nearest >= 0:
             found = (min(_FAR, self._ceiling + moved + _ROUNDING), len(obstacles), -1)
-        for k in sorted(range(len(self._lowest)), key=self._lowest.__getitem__):
-            if self._lowest[k] - self._sunk >= found[0] + _ROUNDING:
+        for low, k in _lowest_first(self._lowest, found[0] + self._sunk):
+            if low >= found[0] + self._sunk + _ROUNDING:
                 break
             found = self._measure(k, found)
         best, index, link = found
@@ -71,9 +71,9 @@ class BulletObstacles:
     def _measure(self, k: int, found: tuple[float, int, int]) -> tuple[float, int, int]:
         """The nearest pair so far, or a nearer one of obstacle k."""
         floors, sunk, solid, client = self._floors[k], self._sunk, self._solids[k], self._client
-        for i in sorted(range(len(floors)), key=floors.__getitem__):
+        for floor, i in _lowest_first(floors, found[0] + sunk):
             best, link = found[0], self._links[i]
-            if floors[i] - sunk >= best + _ROUNDING:
+            if floor >= best + sunk + _ROUNDING:
                 break
             # The nearer the limit, the more Bullet skips; a little more spares asking again the next times.
             reach = best if found[2] == -1 else min(_FAR, best + _AHEAD)
@@ -162,6 +162,11 @@ class BulletObstacles:
         if isinstance(shape, Mesh):
             return {"shapeType": bullet.GEOM_MESH, "vertices": shape.points.tolist()}
         return {"shapeType": bullet.GEOM_PLANE, "planeNormal": (0.0, 0.0, 1.0)}
+
+
+def _lowest_first(floors: list[float], limit: float) -> list[tuple[float, int]]:
+    """What lies under a limit (m), and where in the list: most lies above, and is not sorted."""
+    return sorted([(floor, i) for i, floor in enumerate(floors) if floor < limit + _ROUNDING])
 
 
 def _turn(orientation: Quaternion) -> Quaternion:

@@ -15,6 +15,7 @@ from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
 from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.holder import holder
+from farhand.robot_side.arm.holder import prepare as prepare_holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import ArmModel
@@ -182,7 +183,9 @@ class ArmRobot(ArmWorld, Robot):
         joints = Joints(self._q, self._qd, self._commanded)
         R_base_wanted = self.control.R_base_wanted
         self._drive(
-            self._guard.command(joints, self._wanted, self._omega, R_base_wanted, surroundings, asked)
+            self._guard.command(
+                joints, self._wanted, self._omega, R_base_wanted, surroundings, asked, self._chain
+            )
         )
 
     def _ask(self, twist: Twist) -> None:
@@ -225,7 +228,7 @@ class ArmRobot(ArmWorld, Robot):
             forces=self._forces,
             physicsClientId=client,
         )
-        bullet.stepSimulation(physicsClientId=client)
+        bullet.stepSimulation(client)
         self._read()
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
@@ -257,9 +260,9 @@ class ArmRobot(ArmWorld, Robot):
         return names.get(nearest[2], "base"), nearest[1]
 
     def _read(self) -> None:
-        states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)
-        self._positions = tuple([state[0] for state in states])
-        self._write(self._joints, 0, *self._positions, *[state[1] for state in states])
+        states = self._bullet.getJointStates(self.body, self.joint_indices, self._client)
+        self._positions, velocities, _, _ = zip(*states, strict=True)
+        self._write(self._joints, 0, *self._positions, *velocities)
         self._tool = self._chain.at(self._q, self._qd)
 
 
@@ -273,6 +276,7 @@ def _controls(world: ArmWorld, scenario: RobotScenario) -> tuple[VelocityControl
         else DampedLeastSquares(bounds, arm.max_velocity, down)
     )
     guard = ArmGuard(arm, scenario.guard, settings.lag, 1.0 / settings.rate_hz) if scenario.guard.on else None
+    prepare_holder(arm.n)
     return control, guard
 
 

@@ -87,7 +87,7 @@ class Watchdog:
 
     def twist(self, now_ns: int) -> Twist:
         """The twist of the tool that is allowed at `now_ns` (base)."""
-        return STILL if self.latched else self._player.twist(now_ns)
+        return STILL if self.mode in _LATCHED else self._player.twist(now_ns)
 
     def tick(self, now_ns: int) -> None:
         """Let time act: timeouts and the end of a lease."""
