@@ -64,8 +64,7 @@ class Mind:
     filter: SafetyFilter
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(msgspec.Struct, frozen=True):
     """What is known of the robot in a tick: newest state and scene, where it will be, and how wrong that may be."""
 
     state: RobotState

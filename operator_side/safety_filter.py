@@ -1,7 +1,8 @@
 """From a desired velocity to a safe plan: margin and obstacles into the controller, its answer checked."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+import msgspec
 import numpy as np
 
 from farhand.common.geometry import Array, norm
@@ -21,8 +22,7 @@ from farhand.operator_side.prediction.law import Prediction
 from farhand.operator_side.seen_obstacles import SeenObstacles
 
 
-@dataclass(frozen=True, slots=True)
-class Filtered:
+class Filtered(msgspec.Struct, frozen=True):
     """Attributes:
     plan: (N, 3) to be sent (m/s).
     solution: the controller's answer.
@@ -38,8 +38,7 @@ class Filtered:
     lag_part: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Ahead:
+class Ahead(msgspec.Struct, frozen=True):
     """What a plan is to be found for.
 
     Attributes:
