@@ -8,6 +8,7 @@ stamp that the command echoes.
 
 from collections import Counter, OrderedDict, deque
 from dataclasses import dataclass
+from itertools import chain
 
 from farhand.common.geometry import STILL, Twist, norm
 from farhand.common.messages.base import SafetyMode
@@ -259,10 +260,7 @@ def _outside(command: VelocityCommand) -> str:
 
 def _fastest(command: VelocityCommand) -> float:
     """Largest magnitude in any axis of the velocity and of its plan (m/s)."""
-    fastest = max(map(abs, command.velocity))
-    for velocity in command.plan:
-        fastest = max(fastest, *map(abs, velocity))
-    return fastest
+    return max(map(abs, chain(command.velocity, *command.plan)))
 
 
 def _fastest_turn(command: VelocityCommand) -> float:
