@@ -1,0 +1,16 @@
+"""How much the thorough tests try: a part of it in `make test`, all of it in `make test-long`."""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import settings
+
+THOROUGH = os.environ.get("FARHAND_TESTS") == "thorough"
+
+
+def tries(number: int, of: int, **more: Any) -> Callable[[Any], Any]:
+    """Settings of a property that is tried `number` times, and `of` times where tests are thorough."""
+    tried = settings(max_examples=of if THOROUGH else number, deadline=None, **more)
+    return lambda test: pytest.mark.thorough(tried(test))
