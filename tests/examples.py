@@ -1,4 +1,4 @@
-"""How much the thorough tests try: a part of it in `make test`, all of it in `make test-long`."""
+"""What is tried in `make test`, and what is tried in `make test-long` as well."""
 
 import os
 from collections.abc import Callable
@@ -14,3 +14,8 @@ def tries(number: int, of: int, **more: Any) -> Callable[[Any], Any]:
     """Settings of a property that is tried `number` times, and `of` times where tests are thorough."""
     tried = settings(max_examples=of if THOROUGH else number, deadline=None, **more)
     return lambda test: pytest.mark.thorough(tried(test))
+
+
+def also(*values: Any) -> Any:
+    """Parameters of a case that is tried by `make test-long` alone: another one shows nearly the same."""
+    return pytest.param(*values, marks=pytest.mark.long)
