@@ -147,7 +147,7 @@ def test_virtual_time_agrees_with_real_time(finished):
 
 
 def lateness(run):
-    """By how much nine of ten states came later, at most, than the quickest, though the downlink delays all alike (s)."""
+    """By how much nine of ten states came later at most than the quickest; the downlink delays all alike (s)."""
     decode = Decoder(RobotState).decode_or_raise
     ways = sorted(
         arrived_ns - decode(payload).t_sent_ns

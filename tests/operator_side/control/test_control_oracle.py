@@ -11,8 +11,9 @@ from benchmarks.solver_oracle import Oracle, classify
 from farhand.operator_side.control.controller import Status
 from farhand.operator_side.control.newton import NewtonController
 from farhand.operator_side.control.sqp import SqpController
+from tests.examples import THOROUGH
 
-NUMBER = 200
+NUMBER = 200 if THOROUGH else 60
 EXPLAINED = (
     "same plan, cost within the rows' tolerance",
     "another local optimum, cheaper",
@@ -23,6 +24,7 @@ EXPLAINED = (
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["random", "closed loop"])
 def test_newton_is_the_oracles_answer(kind):
     if kind == "random":
@@ -36,6 +38,7 @@ def test_newton_is_the_oracles_answer(kind):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_the_sqp_is_the_oracles_answer():
     oracle = Oracle()
     compared = 0

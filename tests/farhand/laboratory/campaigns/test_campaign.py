@@ -13,6 +13,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from farhand.cli import run
 from farhand.common.errors import InputError
 from farhand.laboratory.campaigns import jobs as jobs_module
 from farhand.laboratory.campaigns.campaign import run_campaign
@@ -44,15 +45,13 @@ def run_in_dying_workers(chunk: list[Job]):
     return [dying(job) for job in chunk]
 
 
-def test_one_and_two_workers_in_fresh_processes_give_the_same_csv(tmp_path):
+def test_one_and_two_fresh_workers_give_the_same_csv(tmp_path, capsys):
     tables = []
     # A task alone draws no figures; its row is the same.
     for workers, which in ((1, ["--tasks", "1"]), (2, ["--task", "0"])):
         out = tmp_path / str(workers)
-        command = [sys.executable, "-m", "farhand", "table1", *which, "--delays", "gaussian"]
-        command += ["--margins", "none,adaptive", "--workers", str(workers), "--out", str(out)]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
-        assert done.returncode == 0, done.stderr
+        command = ["table1", *which, "--delays", "gaussian", "--margins", "none,adaptive"]
+        assert run([*command, "--workers", str(workers), "--out", str(out)]) == 0, capsys.readouterr().err
         tables.append((out / "tasks.csv").read_bytes())
     written = {path.name for path in (tmp_path / "1").iterdir()}
     assert {"table1.json", "table1.md", "path.png", "path.pdf", "clearance.png", "boxes.png"} <= written
