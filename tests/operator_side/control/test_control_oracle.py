@@ -42,14 +42,14 @@ def test_newton_is_the_oracles_answer(kind):
 def test_the_sqp_is_the_oracles_answer():
     oracle = Oracle()
     compared = 0
-    for problem in random_problems(NUMBER, seed=3):
+    for problem in random_problems(NUMBER // 2, seed=3):
         solution = SqpController(SETTINGS).solve(problem)
         if not solution.status.good:
             continue
         name = classify(oracle, problem, solution)
         assert name in ("agree", *EXPLAINED)
         compared += name == "agree"
-    assert compared >= 0.85 * NUMBER
+    assert compared >= 0.85 * (NUMBER // 2)
 
 
 def test_ipopt_the_controller_is_the_oracle():
