@@ -14,6 +14,7 @@ from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.server import STATIC, Door, Server, build_of
 from farhand.operator_side.console.sight import FROZEN_AFTER, GONE_AFTER
 from farhand.operator_side.console.web import web_config
+from tests.examples import also
 from tests.operator_side.console.browser import CHROMIUM, DRIVER, Browser
 from tests.operator_side.console.operator import Operator
 from tests.operator_side.console.wire import Wire
@@ -189,7 +190,7 @@ def test_whatever_ends_a_press_lets_go_in_time_and_for_good(desk, way):
     desk.stays_still(0.3)
 
 
-@pytest.mark.parametrize("asleep", [1.3, 3.0])
+@pytest.mark.parametrize("asleep", [1.3, also(3.0)])
 def test_what_is_pressed_while_a_browser_sleeps_is_not_done_when_it_wakes(desk, asleep):
     began = len(desk.operator.told)
     desk.browser.freeze()
