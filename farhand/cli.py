@@ -3,6 +3,8 @@
 import errno
 import os
 import sys
+import warnings
+from typing import TextIO
 
 import typer
 
@@ -17,7 +19,7 @@ from farhand.commands.recordings import register as register_recordings
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
-from farhand.common.errors import FarhandError, InputError
+from farhand.common.errors import FarhandError, InputError, RecordingWarning
 from farhand.common.process.signals import die_with_parent, interrupt_on_signals, say
 from farhand.common.process.terminal import spare_the_terminal
 
@@ -76,8 +78,11 @@ def run(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     die_with_parent()
     try:
-        command = in_plain_words(typer.main.get_command(app))
-        result = command(arguments, prog_name="farhand", standalone_mode=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", RecordingWarning)
+            warnings.showwarning = _say_warning
+            command = in_plain_words(typer.main.get_command(app))
+            result = command(arguments, prog_name="farhand", standalone_mode=False)
     except typer.Exit as end:
         return int(end.exit_code)
     except typer.Abort:
@@ -95,6 +100,21 @@ def run(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     return result if isinstance(result, int) else 0
+
+
+def _say_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """One of ours is for people; others are for who writes programs."""
+    if issubclass(category, RecordingWarning):
+        say("farhand", " ".join(str(message).split()))
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, filename, lineno))
 
 
 def _usage(error: Exception) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 
+from farhand.common.errors import ResultError
 from farhand.common.messages.base import SafetyMode
 from farhand.common.result_file import write_whole
 from farhand.operator_side.pace import pace_of
@@ -190,6 +191,21 @@ def write_summary(summary: RunSummary, folder: Path) -> Path:
     path = folder / SUMMARY
     write_whole(path, json.dumps(msgspec.to_builtins(summary), indent=1) + "\n")
     return path
+
+
+def read_summary(folder: Path) -> RunSummary | None:
+    """The summary in a folder; None: there is none. Raises ResultError with what is wrong with it."""
+    path = folder / SUMMARY
+    try:
+        if path.exists() and not path.is_file():
+            raise ResultError(f"{SUMMARY} cannot be read: it is no file")
+        return msgspec.json.decode(path.read_bytes(), type=RunSummary)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise ResultError(f"{SUMMARY} cannot be read: {error.strerror or error}") from None
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise ResultError(f"{SUMMARY} cannot be read: {error}") from None
 
 
 def count_reasons(items: Iterable[tuple[str, int]]) -> str:
