@@ -128,16 +128,8 @@ def test_another_network_than_the_recorded_one_is_told_of(short, tmp_path, place
 
 def test_the_command_line_tells_of_it_in_one_line(short, tmp_path, capsys):
     (tmp_path / "run.mcap").write_bytes(short[: len(short) // 2])
-    words = [
-        "simulate",
-        "--scenario",
-        "point-obstacle",
-        "--time-limit",
-        "0.2",
-        "--out",
-        str(tmp_path / "out"),
-    ]
-    run_cli([*words, "--network", f"recorded:{tmp_path}"])
+    words = ["simulate", "--scenario", "point-obstacle", "--timeline", str(tmp_path / "none")]
+    assert run_cli([*words, "--network", f"recorded:{tmp_path}"]) == 2
     said = [line for line in capsys.readouterr().err.splitlines() if "recorded:" in line]
     assert said == [f"farhand: recorded:{tmp_path}: the file ends early; the network until then is repeated"]
 
