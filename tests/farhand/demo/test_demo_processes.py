@@ -11,6 +11,7 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.reader import read_run
+from farhand.common.timing.clock import utc_seconds
 from farhand.laboratory.simulation import simulate
 from farhand.runs.scenario import load_scenario
 from farhand.testing import Program, short_task
@@ -185,15 +186,20 @@ def test_the_death_of_one_ends_all_and_is_told(demo, victim):
     assert not summary["finished"]
 
 
-def test_the_death_of_the_recorder_costs_the_recording_alone(demo):
+def test_the_death_of_the_recorder_costs_the_last_second_of_the_recording_alone(demo):
     children = demo.wait_until_it_drives()
+    file = demo.folder / "run.mcap"
+    before = file.stat().st_size
+    demo.wait_for_line(lambda _: file.stat().st_size > before)  # it is up with the operator's program
+    killed = utc_seconds()
     children["record"].kill()
     code, summary = demo.end()
     assert (code, summary["finished"], summary["why"]) == (0, True, "")
     assert any("the record program was killed by signal 9" in line for line in demo.said)
     run = read_run(demo.folder / "run.mcap")
     assert run.cut_off
-    assert run.ticks  # all but the last second is there
+    assert killed - (run.ticks[-1].now_ns + run.info.epoch_ns) * 1e-9 < 1.0
+    assert run.whole_ticks == len(run.ticks) > 5
 
 
 def test_the_death_of_the_demo_itself_leaves_nothing(demo):
