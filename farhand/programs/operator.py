@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import zenoh
@@ -178,14 +179,20 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         handover = HandoverServer(node, slot, clock, report_session, robot, options.report, teller.say)
         closing.callback(handover.close)
         if report_session is not None and report_link is not None:
-            node.listeners.append(ReportPublisher(report_link, robot, lambda: not watch.alone))
             stopper = EstopServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(stopper.close)
             clearer = AcknowledgeServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(clearer.close)
             node.recorder = history = TickHistory()
             info = _run_info(options, scenario, identity, controller.settings.solver, clock.epoch_ns())
-            closing.callback(TickServer(history, info, report_session).close)
+            ticks = TickServer(history, info, report_session, clock.now_ns)
+            closing.callback(ticks.close)
+            limit = scenario.controller.d_min
+
+            def beside(now_ns: int) -> dict[str, Any]:
+                return {"connected": not watch.alone, "limit": limit, "recording": ticks.recording(now_ns)}
+
+            node.listeners.append(ReportPublisher(report_link, robot, beside))
         unheard = _unheard(robot, folder, access.router)
         watch = PeerWatch(
             "operator", access.where, link.connected, stop_event, heard.is_set, unheard, link.losses

@@ -87,7 +87,7 @@ def _record(
     told_ns: int | None = None
     said, pause = False, threading.Event()
     while not recording.done:
-        batch = sources.ticks(recording.next)
+        batch = sources.ticks(recording.next, recording.written)
         now_ns = clock.now_ns()
         if told_ns is None and stop_event.is_set():
             told_ns = now_ns

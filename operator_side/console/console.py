@@ -68,8 +68,8 @@ class Console:
             if packet.key == self._camera_key:
                 self._sight.note(packet.arrived_ns)
         self.camera.look(self.picture, now_ns)
-        if self.picture.state is not None and self.picture.state.mode == "estop":
-            self.seat.stopped()
+        if self.picture.state is not None:
+            self.seat.robot_shows(estop=self.picture.state.mode == "estop")
         now = self._situation(now_ns)
         self.seat.lock(lost(now))
         self._absence.note(unheard(now), now_ns, pressed=now.holds)

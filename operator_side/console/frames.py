@@ -6,11 +6,13 @@ from typing import Any
 import msgspec
 
 from farhand.common.messages.description import RobotDescription
+from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
 from farhand.operator_side.console.network import NetworkTold
+from farhand.operator_side.console.nearness import tool_to
 from farhand.operator_side.console.picture import NEVER, Picture
 from farhand.operator_side.console.seat import Seat
-from farhand.operator_side.console.status import Situation, reasons, unheard
+from farhand.operator_side.console.status import LATE_AFTER, Situation, reasons, unheard
 
 
 def _words(text: str) -> tuple[str, ...]:
@@ -44,6 +46,8 @@ def situation(
         outage,
         frozen,
         was_lost,
+        tool_to(picture, picture.report.binding) if picture.report and picture.report.binding else None,
+        seat.stopped_by,
     )
 
 
@@ -63,7 +67,7 @@ def frame(
         "stamp": now_ns // 1_000_000,
         "state": {name: getattr(state, name) for name in _STATE} if state is not None else None,
         "guard": msgspec.to_builtins(state.guard) if state is not None and state.guard else None,
-        "report": {name: getattr(report, name) for name in _REPORT} if report is not None else None,
+        "report": _report(report) if report is not None else None,
         "age": _age(now.state_age),
         "report_age": _age(now.report_age),
         "path": picture.path if not unheard(now) else [],
@@ -79,8 +83,21 @@ def frame(
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
         "counts": seat.counts(number, now_ns),
         "late": seat.strays(number, now_ns),
+        "recording": _recording(now),
         "networks": _network(network, changeable=number == seat.driver) if network is not None else None,
     }
+
+
+def _report(report: ControlReport) -> dict[str, Any]:
+    limit = None if report.limit is msgspec.UNSET else report.limit
+    return {name: getattr(report, name) for name in _REPORT} | {"limit": limit}
+
+
+def _recording(now: Situation) -> bool | None:
+    """Whether a recorder writes; None: none ever did, or it is not known by now."""
+    if now.report is None or now.report.recording is msgspec.UNSET or now.report_age > LATE_AFTER:
+        return None
+    return now.report.recording
 
 
 def scene_told(scene: Scene) -> dict[str, Any]:

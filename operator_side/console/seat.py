@@ -72,6 +72,8 @@ class Seat:
     driver: number of the page that drives; 0: none.
     locked: why nobody may drive now; empty: nothing is in the way.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
+    latched: whether the robot shows an emergency stop.
+    stopped_by: the page that asked for the one that is asked for or shown; empty: none did.
     change: of the network, that the driver asked for and nobody has taken up yet.
     """
 
@@ -79,7 +81,8 @@ class Seat:
         self.pages: dict[int, Page] = {}
         self.driver = 0
         self.locked = ""
-        self.stopping = False
+        self.stopping = self.latched = False
+        self.stopped_by = ""
         self.change: ChooseNetwork | CutNetwork | None = None
         self._press = 0
         self._estop_ns: int | None = None
@@ -120,9 +123,13 @@ class Seat:
             for page in self.pages.values():
                 page.latch.disarm()
 
-    def stopped(self) -> None:
-        """The robot shows an emergency stop that it has latched."""
-        self.stopping = False
+    def robot_shows(self, *, estop: bool) -> None:
+        """Whether the robot shows an emergency stop that it has latched."""
+        self.latched = estop
+        if estop:
+            self.stopping = False
+        elif not self.stopping:
+            self.stopped_by = ""
 
     def holds(self, now_ns: int) -> bool:
         """Whether the driver holds something down."""
@@ -187,6 +194,8 @@ class Seat:
     def _do(self, number: int, page: Page, said: Do, now_ns: int) -> None:
         if said.what == "estop":
             self._estop_ns, self.stopping = now_ns, True
+            if not self.latched:
+                self.stopped_by = page.name
             for each in self.pages.values():
                 each.latch.disarm()
         elif said.what == "take":

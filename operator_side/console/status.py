@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from msgspec import UNSET
+
 from farhand.common.geometry import norm
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
@@ -19,7 +21,10 @@ NOT_ENGAGED = "device not engaged"
 """What the operator's program says of a hand that it does not hear."""
 STILL = 1e-3
 """m/s"""
+LEAST_PART = 5e-4
+"""Of a margin, which is told in whole millimetres (m)."""
 
+_ACKNOWLEDGE = "Who drives acknowledges it, and presses anew."
 _OUTAGE = "The outage that was asked for ends by itself. "
 
 Pill = Literal["ready", "run", "held", "slowed", "stopped", "e-stop", "link lost", "taken"]
@@ -49,6 +54,8 @@ class Situation:
     outage: whether an outage of the emulated network runs.
     frozen: for how long the camera has shown nothing new (s); 0: it does, or there is none.
     was_lost: for how long there had been no news, until a moment ago (s); 0: nothing of the kind.
+    near: from the sphere around the tool to what binds (m); None: not known, or nothing binds.
+    stopped_by: the page on which the emergency stop was asked for; empty: on none.
     """
 
     report: ControlReport | None
@@ -61,6 +68,8 @@ class Situation:
     outage: bool = False
     frozen: float = 0.0
     was_lost: float = 0.0
+    near: float | None = None
+    stopped_by: str = ""
 
 
 def reasons(now: Situation) -> list[Reason]:
@@ -132,9 +141,10 @@ def _stopped(now: Situation) -> Iterator[Reason]:
     if state is None:
         return
     if state.mode == "estop":
-        yield Reason("e-stop", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
+        where = f", on {now.stopped_by}" if now.stopped_by else ""
+        yield Reason("e-stop", f"Latched by the robot: {state.reason}{where}.", _ACKNOWLEDGE)
     elif state.mode == "stopped":
-        yield Reason("stopped", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
+        yield Reason("stopped", f"Latched by the robot: {state.reason}.", _ACKNOWLEDGE)
     if now.report is not None and "holds control" in now.report.stop_reason:
         yield Reason("taken", f"{now.report.stop_reason}.", "Its holder hands over, or gives control up.")
 
@@ -150,22 +160,15 @@ def _changed(now: Situation) -> Iterator[Reason]:
         yield Reason(
             "slowed",
             f"{guard.what.capitalize()}: {guard.part} {_mm(guard.distance)} mm{of}; "
-            f"the robot's guard keeps {_mm(guard.limit)}.",
+            f"limit {_mm(guard.limit)}, by the robot's guard.",
             "Move away from it, or along it.",
         )
     asked, done = norm(report.desired), norm(report.filtered)
     if report.intervening and asked > STILL and done < LESS * asked:
         word = "Held" if done < STILL else "Slowed"
-        what = report.binding or "the nearest obstacle"
-        near = (
-            f": tool {_mm(report.clearance)} mm from {what}"
-            if report.clearance is not None
-            else f" by {what}"
-        )
-        margin = report.inflation + report.sigma
         yield Reason(
             "held" if done < STILL else "slowed",
-            f"{word}{near}; margin {_mm(margin)}{_parts(report)}.",
+            f"{word}{_near(now, report)}; {_kept(report)}.",
             f"The way is free to the {report.free_side}."
             if report.free_side
             else "Move away from it, or along it.",
@@ -173,9 +176,10 @@ def _changed(now: Situation) -> Iterator[Reason]:
     if report.stop_reason == NOT_ENGAGED:
         yield Reason("held", "Let go by itself: the hand was not heard for a moment.", "Press anew.")
     elif report.stop_reason and report.mode != "run":
-        yield Reason("held", f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}.")
+        what = f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}."
+        yield Reason("held", what, "It goes on by itself once that is over.")
     if report.held_by:
-        yield Reason("held", f"No progress: held by {report.held_by}.")
+        yield Reason("held", f"No progress: held by {report.held_by}.", "Drive or turn another way.")
 
 
 def _waiting(now: Situation) -> Iterator[Reason]:
@@ -191,12 +195,29 @@ def _waiting(now: Situation) -> Iterator[Reason]:
         yield Reason("ready", "Hold a key or a button to move; let go to stop.")
 
 
-def _parts(report: ControlReport) -> str:
-    """What makes the margin as large as it is, where its law says so."""
-    parts = {name: value for name, value in report.margin_parts.items() if name != "lag"}
-    most = max(parts, key=lambda name: parts[name], default="")
-    why = {"floor": "the least", "innovation": "as the network makes it", "spread": "as the network makes it"}
-    return f", {why[most]}" if most in why else ""
+def _near(now: Situation, report: ControlReport) -> str:
+    """What is how near to what; the robot's clearance is told where it is not known what binds."""
+    if not report.binding:
+        return (
+            "" if report.clearance is None else f": tool {_mm(report.clearance)} mm from the nearest obstacle"
+        )
+    return f" by {report.binding}" if now.near is None else f": tool {_mm(now.near)} mm from {report.binding}"
+
+
+def _kept(report: ControlReport) -> str:
+    """What is kept between the two: the limit, the margin beyond it, and how much of that is the network's doing."""
+    margin = report.inflation + report.sigma
+    limit = "" if report.limit is UNSET else f"limit {_mm(report.limit)}, "
+    network = margin - sum(report.margin_parts.get(name, 0.0) for name in ("floor", "lag"))
+    of = f", of which network {_mm(network)}" if _from_network(report) and network >= LEAST_PART else ""
+    return f"{limit}margin {_mm(margin)}{of}"
+
+
+def _from_network(report: ControlReport) -> bool:
+    """Whether the margin's law says what of it is for the network: what is above its floor, but for the lag's part."""
+    return "floor" in report.margin_parts and (
+        "innovation" in report.margin_parts or "spread" in report.margin_parts
+    )
 
 
 def _mm(metres: float) -> str:

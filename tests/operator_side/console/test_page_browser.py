@@ -129,7 +129,7 @@ def shared():
 @pytest.fixture
 def desk(shared, request):
     shared.browser.key("KeyW", down=False)
-    shared.console.seat.stopped()
+    shared.console.seat.robot_shows(estop=True)
     shared.pause.wait(0.1)
     if len(shared.console.seat.pages) != 1 or not shared.sits():
         shared.browser.open("about:blank")

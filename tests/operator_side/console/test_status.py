@@ -1,5 +1,6 @@
 """One pill, one sentence: each situation says what is the matter and what clears it."""
 
+import msgspec
 import pytest
 
 from farhand.common.messages.intervention import Intervention
@@ -16,6 +17,9 @@ SLOWED = report(
     binding="ball",
     clearance=0.02,
     inflation=0.024,
+)
+WHY = msgspec.structs.replace(
+    SLOWED, limit=0.01, margin_parts={"floor": 0.01, "innovation": 0.019, "spread": 0.004, "lag": 0.005}
 )
 
 
@@ -44,6 +48,11 @@ def situation(**more):
         (situation(driver="page 1", holds=True, report=report(mode="hold", stop_reason=NOT_ENGAGED)), "held", "Let go"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "margin 24"),
+        (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "limit 10, by the robot's guard"),
+        (situation(driver="page 1", holds=True, report=SLOWED, near=0.031), "slowed", "tool 31 mm from ball"),
+        (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "Slowed by ball"),
+        (situation(driver="page 1", holds=True, report=WHY), "slowed", "limit 10, margin 24, of which network 9."),
+        (situation(state=state(mode="estop", reason="by o"), stopped_by="page 2"), "e-stop", "by o, on page 2."),
     ],
 )  # fmt: skip
 def test_the_first_reason_is_the_pill(now, pill, words):

@@ -12,6 +12,21 @@ export function put(id: string, text: string): void {
   if (at.textContent !== text) at.textContent = text;
 }
 
+/** The same with what is measured in it made bold. */
+export function emphasise(id: string, text: string): void {
+  const at = element(id);
+  if (at.textContent === text) return;
+  const parts = text.split(/(\b\d+(?:\.\d+)?(?: mm| s)?\b)/);
+  at.replaceChildren(
+    ...parts.filter(Boolean).map((part) => {
+      if (!/^\d/.test(part)) return part;
+      const bold = document.createElement("b");
+      bold.textContent = part;
+      return bold;
+    }),
+  );
+}
+
 /** A button's two lines. */
 export function label(id: string, bold: string, small: string): void {
   const [b, s] = element(id).children;

@@ -163,13 +163,21 @@ function show(): void {
   if (!told) return;
   shownAt = clock();
   panel.say(reasons());
-  panel.show(told);
+  panel.show(told, world.nearest);
   controls.light(isHeard(), received && isHeard());
   networks.show(told.networks);
-  element("recording").hidden = !told.recording;
+  showRecording(told.recording);
   showStop(told);
   showSeat(told);
   showStale(told);
+}
+
+/** Lit only by a recorder that writes; one that does no more is said. */
+function showRecording(writes: boolean | null | undefined): void {
+  const shown = isSilent() ? null : (writes ?? null);
+  element("recording").hidden = shown === null;
+  element("recording").classList.toggle("on", shown === true);
+  put("recording", shown ? "● rec" : "○ not recorded");
 }
 
 function showStop(told: FrameTold): void {

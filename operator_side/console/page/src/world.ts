@@ -12,6 +12,7 @@ const OLD = 1.0; // s
 const TRAIL_S = 12;
 const NEAR = 0.25; // m: the way of a second at full speed; what is farther than this beyond its margin cannot bind
 const MOST_SHELLS = 6;
+const WORTH_A_WORD = 0.03; // m: a committed path that is shorter ends where it begins
 
 /** An obstacle that may bind: how much it keeps, and the line to it. */
 export interface Danger {
@@ -55,6 +56,8 @@ export class World {
   trail: { at: Vector3; ms: number }[] = [];
   dangers: Danger[] = [];
   words: Word[] = [];
+  /** The obstacle that is nearest to the tool; empty: none. */
+  nearest = "";
   /** Whether the robot has no drawing that could be loaded. */
   bare = false;
   private heardAt = 0;
@@ -120,15 +123,15 @@ export class World {
       const place = this.aim(new Vector3(...report.predicted), quaternion(report.predicted_orientation), orientation, dt);
       this.placeGhost(place);
       this.asked.set(...report.desired);
-      this.done.set(...report.filtered);
+      this.done.set(...(told.guard ? state.velocity : report.filtered)); // the guard's hand shows in what the robot did
     } else {
       this.asked.set(0, 0, 0);
       this.done.set(0, 0, 0);
     }
-    const old = report?.rtt_mean == null ? `heard ${since.toFixed(2)} s ago` : `≈ ${this.age.toFixed(2)} s old`;
+    const old = report?.rtt_mean == null ? `heard ${since.toFixed(2)} s ago` : `as it was ≈ ${this.age.toFixed(2)} s ago`;
     if (told.age !== null) this.say("confirmed", old, "confirmed", new Vector3(), 0, 30);
     if (this.bare && this.robot) this.say("robot", "no drawing of this robot: its tool alone", "confirmed", this.tool, 0, 26);
-    this.path = told.path.map((at) => new Vector3(...at));
+    this.findPath(told);
     this.leaveTrail(ms);
     this.moveThings(state.t_sample_ns);
     this.findTarget(told);
@@ -193,6 +196,14 @@ export class World {
     );
   }
 
+  /** The committed path, and a word at its end where that is somewhere else. */
+  private findPath(told: FrameTold): void {
+    this.path = this.live ? told.path.map((at) => new Vector3(...at)) : [];
+    const end = this.path.at(-1);
+    const from = this.path[0];
+    if (end && from && end.distanceTo(from) > WORTH_A_WORD) this.say("stop", "stops here", "predicted", end, 0, 16);
+  }
+
   private leaveTrail(ms: number): void {
     const last = this.trail.at(-1);
     if (this.tool && (!last || last.at.distanceTo(this.tool) > 0.004)) this.trail.push({ at: this.tool.clone(), ms });
@@ -219,9 +230,10 @@ export class World {
   /** What may bind: how much it keeps, from the robot's sphere or, where its guard acts, from the part that it names. */
   private findDangers(told: FrameTold, live: boolean): void {
     this.dangers = [];
+    this.nearest = "";
     const { report, guard, state } = told;
     if (!report || !state || !this.tool || !live) return;
-    const margin = report.inflation + report.sigma;
+    const margin = (report.limit ?? 0) + report.inflation + report.sigma;
     const binding = guard?.obstacle || (told.holds ? report.binding : "");
     const found: (Danger & { gap: number })[] = [];
     for (const thing of this.things) {
@@ -234,6 +246,7 @@ export class World {
       start.setLength(part && guard ? Math.max(0, guard.distance) : Math.max(0, distance - this.radius)).add(at);
       found.push({ thing, keeps, binds, from: start, to: at, gap: distance - this.radius - keeps });
     }
+    this.nearest = nearestOf(this.things, this.tool);
     found.sort((a, b) => Number(b.binds) - Number(a.binds) || a.gap - b.gap);
     this.dangers = found.filter((each) => each.binds || each.gap < NEAR).slice(0, MOST_SHELLS);
     const first = this.dangers[0];
@@ -247,4 +260,14 @@ export class World {
   private say(name: string, text: string, kind: string, at: Vector3, dx: number, dy: number): void {
     this.words.push({ name, text, kind, at, dx, dy });
   }
+}
+
+function nearestOf(things: Thing[], tool: Vector3): string {
+  let least = Infinity;
+  let name = "";
+  for (const thing of things) {
+    const { distance } = thing.nearest(tool);
+    if (distance < least) [least, name] = [distance, thing.id];
+  }
+  return name;
 }
