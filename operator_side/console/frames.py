@@ -8,8 +8,8 @@ import msgspec
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
-from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.nearness import tool_to
+from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.picture import NEVER, Picture
 from farhand.operator_side.console.seat import Seat
 from farhand.operator_side.console.status import LATE_AFTER, Situation, reasons, unheard

@@ -16,7 +16,7 @@ LOST_AFTER = 1.0
 LATE_AFTER = 0.5
 """Without news for so long it is not known what the robot does (s); the worst stalls of 5G are as long."""
 LESS = 0.9
-"""Share of the asked speed under which it counts as slowed."""
+"""Share of the asked speed, along what was asked, under which it counts as slowed."""
 NOT_ENGAGED = "device not engaged"
 """What the operator's program says of a hand that it does not hear."""
 STILL = 1e-3
@@ -164,14 +164,23 @@ def _changed(now: Situation) -> Iterator[Reason]:
             "Move away from it, or along it.",
         )
     asked, done = norm(report.desired), norm(report.filtered)
-    if report.intervening and asked > STILL and done < LESS * asked:
-        word = "Held" if done < STILL else "Slowed"
+    if report.intervening and asked > STILL and _along(report) < LESS * asked:
+        word = "Held" if done < STILL else "Slowed" if done < LESS * asked else "Turned aside"
         yield Reason(
             "held" if done < STILL else "slowed",
             f"{word}{_near(now, report)}; {_kept(report)}.",
             f"The way is free to the {report.free_side}."
             if report.free_side
             else "Move away from it, or along it.",
+        )
+    elif asked > STILL and report.mode == "run" and _along(report) < LESS * asked:
+        yield Reason("run", f"On the way to what was asked: {done:.2f} of {asked:.2f} m/s.")
+    turns, turned = norm(report.desired_angular), norm(report.angular)
+    if turns > STILL and report.mode == "run" and turned < LESS * turns:
+        yield Reason(
+            "slowed",
+            f"Turned at {turned:.2f} of {turns:.2f} rad/s, the most that is let.",
+            "Turn more slowly.",
         )
     if report.stop_reason == NOT_ENGAGED:
         yield Reason("held", "Let go by itself: the hand was not heard for a moment.", "Press anew.")
@@ -193,6 +202,12 @@ def _waiting(now: Situation) -> Iterator[Reason]:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
     else:
         yield Reason("ready", "Hold a key or a button to move; let go to stop.")
+
+
+def _along(report: ControlReport) -> float:
+    """The speed that is left in the direction that was asked for (m/s)."""
+    asked = norm(report.desired)
+    return sum(a * b for a, b in zip(report.desired, report.filtered, strict=True)) / asked
 
 
 def _near(now: Situation, report: ControlReport) -> str:

@@ -21,6 +21,8 @@ SLOWED = report(
 WHY = msgspec.structs.replace(
     SLOWED, limit=0.01, margin_parts={"floor": 0.01, "innovation": 0.019, "spread": 0.004, "lag": 0.005}
 )
+BEGINS = report(desired=(0.2, 0.0, 0.0), filtered=(0.05, 0.0, 0.0))
+TURNED = msgspec.structs.replace(SLOWED, filtered=(0.15, 0.0, 0.13))
 
 
 def situation(**more):
@@ -51,6 +53,8 @@ def situation(**more):
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "limit 10, by the robot's guard"),
         (situation(driver="page 1", holds=True, report=SLOWED, near=0.031), "slowed", "tool 31 mm from ball"),
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "Slowed by ball"),
+        (situation(driver="page 1", holds=True, report=TURNED, near=0.05), "slowed", "Turned aside: tool 50 mm"),
+        (situation(driver="page 1", holds=True, report=BEGINS), "run", "On the way to what was asked: 0.05"),
         (situation(driver="page 1", holds=True, report=WHY), "slowed", "limit 10, margin 24, of which network 9."),
         (situation(state=state(mode="estop", reason="by o"), stopped_by="page 2"), "e-stop", "by o, on page 2."),
     ],

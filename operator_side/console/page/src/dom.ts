@@ -16,10 +16,10 @@ export function put(id: string, text: string): void {
 export function emphasise(id: string, text: string): void {
   const at = element(id);
   if (at.textContent === text) return;
-  const parts = text.split(/(\b\d+(?:\.\d+)?(?: mm| s)?\b)/);
+  const parts = text.split(/((?:[≤≥] )?\b\d+(?:\.\d+)?(?: mm| ms| s)?\b)/);
   at.replaceChildren(
     ...parts.filter(Boolean).map((part) => {
-      if (!/^\d/.test(part)) return part;
+      if (!/^([≤≥] )?\d/.test(part)) return part;
       const bold = document.createElement("b");
       bold.textContent = part;
       return bold;

@@ -6,7 +6,6 @@ import type { FrameTold, Reason } from "./told.ts";
 
 const HISTORY_MS = 30_000;
 const FULL = 0.2; // m: the bar's length
-const TIGHT = 0.01; // m beyond what is kept
 const SPOKEN_MS = 4000; // numbers change all the time: who listens hears a new pill at once, and new numbers now and then
 
 interface Past {
@@ -77,8 +76,7 @@ export class Panel {
   /** How far it is, over what must be kept: the limit, and the margin beyond it. */
   private bar(clearance: number | null, limit: number, kept: number): void {
     const bar = element("bar");
-    bar.classList.toggle("tight", clearance !== null && clearance < kept + TIGHT);
-    const [fill, margin, mark] = bar.children;
+    const [margin, fill, mark] = bar.children;
     const share = (metres: number) => `${Math.max(0, Math.min(100, (100 * metres) / FULL)).toFixed(1)}%`;
     if (fill instanceof HTMLElement) fill.style.width = share(clearance ?? 0);
     if (margin instanceof HTMLElement) margin.style.width = share(kept);

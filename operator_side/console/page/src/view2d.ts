@@ -128,7 +128,10 @@ export class View2D implements View {
   private drawPane(pane: Pane): void {
     const { pen, world } = this;
     this.drawGrid(pane);
-    for (const { thing, keeps, binds } of world.dangers) this.drawThing(pane, thing, this.colour("slow"), binds ? 0.34 : 0.16, keeps);
+    for (const { thing, keeps, binds } of world.dangers) {
+      this.drawThing(pane, thing, this.colour("slow"), binds ? 0.3 : 0.14, keeps);
+      if (thing.shape.kind !== "plane") this.rim(this.colour("slow"), binds ? 1 : 0.5);
+    }
     for (const thing of world.things) this.drawThing(pane, thing, this.colour("thing"), thing.known ? 0.9 : 0.3, 0);
     this.drawLine(
       pane,
@@ -157,7 +160,9 @@ export class View2D implements View {
     if (world.ghostSeen > 0 && !world.ghost.isLoaded) this.ring(at2(pane, world.ghostAt), 9, this.colour("plan"));
     const target = world.targets[world.target];
     if (target) this.ring(at2(pane, target), Math.max(7, 0.03 * pane.scale), this.colour("go"));
-    this.drawLine(pane, world.path, this.colour("plan"), 4, 1);
+    this.drawLine(pane, world.path, this.colour("ground"), 8, 0.75);
+    this.drawLine(pane, world.path, this.colour("plan"), 3, 1);
+    this.drawSteps(pane, world.path);
     const [first] = world.path;
     const end = world.path.at(-1);
     if (first && end && first.distanceTo(end) > 0.004) this.ring(at2(pane, end), 7, this.colour("plan"));
@@ -281,6 +286,17 @@ export class View2D implements View {
     this.trace(points.map((each) => at2(pane, each)));
     pen.stroke();
     pen.globalAlpha = 1;
+  }
+
+  /** A dot for each step of the plan: where they are close together it goes slowly. */
+  private drawSteps(pane: Pane, points: Vector3[]): void {
+    this.pen.fillStyle = this.colour("plan");
+    for (const point of points.slice(0, -1)) {
+      const [x, y] = at2(pane, point);
+      this.pen.beginPath();
+      this.pen.arc(x, y, 4, 0, 7);
+      this.pen.fill();
+    }
   }
 
   private ring([x, y]: Point, radius: number, colour: string, width = 3): void {

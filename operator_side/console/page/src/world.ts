@@ -12,6 +12,7 @@ const OLD = 1.0; // s
 const TRAIL_S = 12;
 const NEAR = 0.25; // m: the way of a second at full speed; what is farther than this beyond its margin cannot bind
 const MOST_SHELLS = 6;
+const SEEN = 0.004; // m: a shorter path is none
 const WORTH_A_WORD = 0.03; // m: a committed path that is shorter ends where it begins
 
 /** An obstacle that may bind: how much it keeps, and the line to it. */
@@ -198,7 +199,9 @@ export class World {
 
   /** The committed path, and a word at its end where that is somewhere else. */
   private findPath(told: FrameTold): void {
-    this.path = this.live ? told.path.map((at) => new Vector3(...at)) : [];
+    const path = this.live ? told.path.map((at) => new Vector3(...at)) : [];
+    const length = path.reduce((sum, at, k) => sum + at.distanceTo(path[k - 1] ?? at), 0);
+    this.path = length > SEEN ? path : [];
     const end = this.path.at(-1);
     const from = this.path[0];
     if (end && from && end.distanceTo(from) > WORTH_A_WORD) this.say("stop", "stops here", "predicted", end, 0, 16);
@@ -236,17 +239,19 @@ export class World {
     const margin = (report.limit ?? 0) + report.inflation + report.sigma;
     const binding = guard?.obstacle || (told.holds ? report.binding : "");
     const found: (Danger & { gap: number })[] = [];
+    let least = Infinity;
     for (const thing of this.things) {
       const binds = thing.id === binding;
       const part = binds && guard ? this.confirmed.linkPoint(guard.part) : null;
       const from = part ?? this.tool;
       const keeps = binds && guard ? guard.limit : margin;
       const { at, distance } = thing.nearest(from);
+      const free = part ? thing.nearest(this.tool).distance : distance;
+      if (free < least) [least, this.nearest] = [free, thing.id];
       const start = from.clone().sub(at);
       start.setLength(part && guard ? Math.max(0, guard.distance) : Math.max(0, distance - this.radius)).add(at);
       found.push({ thing, keeps, binds, from: start, to: at, gap: distance - this.radius - keeps });
     }
-    this.nearest = nearestOf(this.things, this.tool);
     found.sort((a, b) => Number(b.binds) - Number(a.binds) || a.gap - b.gap);
     this.dangers = found.filter((each) => each.binds || each.gap < NEAR).slice(0, MOST_SHELLS);
     const first = this.dangers[0];
@@ -260,14 +265,4 @@ export class World {
   private say(name: string, text: string, kind: string, at: Vector3, dx: number, dy: number): void {
     this.words.push({ name, text, kind, at, dx, dy });
   }
-}
-
-function nearestOf(things: Thing[], tool: Vector3): string {
-  let least = Infinity;
-  let name = "";
-  for (const thing of things) {
-    const { distance } = thing.nearest(tool);
-    if (distance < least) [least, name] = [distance, thing.id];
-  }
-  return name;
 }
