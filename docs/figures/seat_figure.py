@@ -122,6 +122,10 @@ class Played:
         view.close()
         return found
 
+    def begin(self) -> None:
+        """From the beginning."""
+        self._began_ns, self._next = None, 0
+
     @property
     def seconds(self) -> float:
         """Of the run, that have been played."""
@@ -174,38 +178,50 @@ def main() -> None:
         played = Played(Path(closing.enter_context(tempfile.TemporaryDirectory())))
         desk = Desk(played, _find_model, Offered())
         closing.callback(desk.close)
-        page, down = desk.browser, ()
-        page.cdp("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+        desk.browser.cdp(
+            "Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}]
+        )
         desk.sits_down()
-        page.click("#draw input[value='3d']")
-        played._began_ns = None
-        while played.seconds < SHOWN - 0.3:
-            wanted = keys_at(played.seconds)
-            for key in {*down, *wanted}:
-                if (key in down) != (key in wanted):
-                    page.key(key, down=key in wanted)
-            down = wanted
-            desk.pause.wait(0.05)
-        take(desk, (more or Path(__file__).parent) / "seat.png")
+        for _ in range(6):
+            play(desk, played)
+            if take(desk, (more or Path(__file__).parent) / "seat.png", "3d", tries=3):
+                break
+        else:
+            raise AssertionError(f"it is not slowed: {desk.browser.text('sentence')}")
         if more is not None:
             take_more(desk, more)
 
 
-def take(desk: Desk, path: Path) -> None:
-    """The page once it shows the instant: without a GPU it is slow, and lets go of a key that it was not heard to hold."""
+def play(desk: Desk, played: Played) -> None:
+    """From the beginning to the instant, with the keys down; in two dimensions, which is quicker."""
+    page, down = desk.browser, ()
+    page.click("#draw input[value='2d']")
+    played.begin()
+    while played.seconds < SHOWN - 0.3:
+        wanted = keys_at(played.seconds)
+        for key in {*down, *wanted}:
+            if (key in down) != (key in wanted):
+                page.key(key, down=key in wanted)
+        down = wanted
+        desk.pause.wait(0.05)
+
+
+def take(desk: Desk, path: Path, how: str, tries: int = 40) -> bool:
+    """Whether the page showed the instant; without a GPU it is slow, and lets go of keys by itself."""
     page = desk.browser
-    shows = "return [document.getElementById('pill').innerText.toLowerCase(), document.getElementById('camera').dataset.look]"
-    for _ in range(60):
-        desk.pause.wait(0.3)
-        if page.run(shows) == ["slowed", "fresh"]:
-            page.picture(path)
-            if page.run(shows) == ["slowed", "fresh"]:
-                return
-        if page.text("pill").lower() != "slowed":
-            page.key("KeyD", down=False)
-            desk.pause.wait(0.3)
-            page.key("KeyD")
-    raise AssertionError(f"it is not slowed: {page.text('sentence')}")
+    pill = "document.getElementById('pill').innerText.toLowerCase()"
+    shows = f"return [{pill}, document.getElementById('camera').dataset.look]"
+    for _ in range(tries):
+        for each in ("2d", how):  # anew: three dimensions that stay slow are drawn coarser
+            page.click(f"#draw input[value='{each}']")
+        page.key("KeyD", down=False)
+        page.key("KeyD")
+        desk.pause.wait(0.8)
+        seen = page.run(shows)
+        page.picture(path)
+        if seen == page.run(shows) == ["slowed", "fresh"]:
+            return True
+    return False
 
 
 def take_more(desk: Desk, folder: Path) -> None:
@@ -221,8 +237,7 @@ def take_more(desk: Desk, folder: Path) -> None:
             features = [{"name": "prefers-color-scheme", "value": theme}]
             page.cdp("Emulation.setEmulatedMedia", features=features)
             for how in ("2d", "3d"):
-                page.click(f"#draw input[value='{how}']")
-                take(desk, folder / f"seat-{name}-{theme}-{how}.png")
+                take(desk, folder / f"seat-{name}-{theme}-{how}.png", how)
 
 
 if __name__ == "__main__":

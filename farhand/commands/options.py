@@ -159,7 +159,7 @@ def at_the_rate_of_its_device(scenario: "Scenario") -> "Scenario":
 def _recording(steer: str) -> str:
     """The file of `recorded:RUN`, which can be played; raises InputError."""
     from farhand.common.recording.place import recording_at
-    from farhand.operator_side.steering.course import read_course
+    from farhand.operator_side.steering.recorded.course import read_course
 
     _, _, run = steer.partition(":")
     if not run:

@@ -42,8 +42,8 @@ from farhand.operator_side.main import Mirror, MirroredLink, OperatorOutcome, Re
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
 from farhand.operator_side.steering.device import SteeringDevice
+from farhand.operator_side.steering.hand.remote import Remote
 from farhand.operator_side.steering.registry import make_device
-from farhand.operator_side.steering.remote import Remote
 from farhand.operator_side.tick_history import TickHistory
 from farhand.programs.compiling import prepare_aloud
 from farhand.programs.series import Series

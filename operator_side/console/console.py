@@ -16,7 +16,7 @@ from farhand.operator_side.console.said import ChooseNetwork, Ordered
 from farhand.operator_side.console.seat import Seat
 from farhand.operator_side.console.sight import Sight
 from farhand.operator_side.console.status import LOST_AFTER, Situation, lost, unheard
-from farhand.operator_side.steering.sender import SteeringSender
+from farhand.operator_side.steering.hand.sender import SteeringSender
 
 FindModel = Callable[[str], RobotModel | None]
 """The drawing of a model by its name; None where there is none."""

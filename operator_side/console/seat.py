@@ -4,11 +4,13 @@ One drives, the others watch. A page that closes, freezes or falls silent has le
 late, twice or out of order moves nothing.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
+import msgspec
+
+from farhand.common.messages.steering import Steering, unsent
 from farhand.operator_side.console.said import ChooseNetwork, CutNetwork, Do, Ordered, Steer
-from farhand.operator_side.steering.latch import Latch
-from farhand.operator_side.steering.wish import Wish
+from farhand.operator_side.steering.hand.latch import Latch
 
 GONE_AFTER_NS = 3_000_000_000
 """A driver that says nothing for so long drives no more."""
@@ -148,7 +150,7 @@ class Seat:
         page = self.pages.get(number)
         return page is not None and page.late and now_ns - page.late_ns > STRAYS_NS
 
-    def wish(self, now_ns: int) -> Wish:
+    def wish(self, now_ns: int) -> Steering:
         """What is wanted at `now_ns`; buttons that are pressed once are in one wish only."""
         page = self.pages.get(self.driver)
         if page is not None and now_ns - page.heard_ns > GONE_AFTER_NS:
@@ -157,7 +159,7 @@ class Seat:
         if self._estop_ns is not None and now_ns - self._estop_ns > ESTOP_FOR_NS:
             self._estop_ns = None
         estop, holds = self._estop_ns is not None, self.holds(now_ns)
-        wish = Wish(
+        wish = unsent(
             press=self._press,
             estop=estop,
             acknowledge=self._acknowledge and not estop,
@@ -168,7 +170,7 @@ class Seat:
         if page is None or page.steer is None or not holds or estop:
             return wish
         said = page.steer
-        return replace(
+        return msgspec.structs.replace(
             wish,
             engaged=True,
             linear=said.linear,

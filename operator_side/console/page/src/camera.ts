@@ -28,7 +28,7 @@ export function lookOf(seen: Seen | null): { look: Look; said: string } {
     return { look: "frozen", said: `camera frozen, ${sure.toFixed(0)} s` };
   const age = seen.most ?? sure;
   const said = `${seen.most === null ? "≥" : "≤"} ${age < 1 ? `${(age * 1000).toFixed(0)} ms` : `${age.toFixed(1)} s`} old`;
-  return { look: age > DIM_S ? "dim" : "fresh", said: `camera · ${said}` };
+  return { look: age > DIM_S ? "dim" : "fresh", said: `camera ${said}` };
 }
 
 export class Camera {

@@ -9,6 +9,7 @@ import { css, type View } from "./view.ts";
 import type { World } from "./world.ts";
 
 const UPRIGHT = matchMedia("(max-width: 760px)");
+const CHOICES = () => (UPRIGHT.matches ? 108 : 64); // px: what is chosen above, and the pane's name
 const ARROW = 0.7; // s: an arrow's length is the way of so long
 const LEAST = { x: [-0.35, 0.8], y: [-0.6, 0.6], z: [-0.08, 0.85] } as const; // m that are shown, and more where something is beyond
 const MOST = 1.6; // m
@@ -67,7 +68,7 @@ export class View2D implements View {
       pen.restore();
       pen.fillStyle = this.colour("dim");
       pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
-      pen.fillText(pane.name, pane.left + 12, pane.top + (pane.top > 0 ? 22 : 62));
+      pen.fillText(pane.name, pane.left + 12, pane.top + (pane.top > 0 ? 22 : CHOICES() - 2));
     }
     const side = this.panes[1];
     this.labels.show(world.words, (at) => (side ? at2(side, at) : null));
@@ -89,7 +90,7 @@ export class View2D implements View {
   private layOut(width: number, height: number, beside: boolean): Pane[] {
     const [w, h] = beside ? [width / 2, height] : [width, height / 2];
     const covered = UPRIGHT.matches && element("camera").dataset.look !== "none";
-    const top = (up: "y" | "z") => (covered && (beside || up === "y") ? 140 : 64); // px: what is chosen, and the pane's name
+    const top = (up: "y" | "z") => (covered && (beside || up === "y") ? 160 : CHOICES()); // px: what is chosen, and the pane's name
     const below = UPRIGHT.matches ? 156 : 130; // keys or sticks
     const room = (up: "y" | "z") => h - top(up) - (beside || up === "z" ? below : 8);
     const [x0 = 0, x1 = 1] = this.seen.x;

@@ -55,7 +55,7 @@ export class View3D implements View {
   private readonly ghostTool = flat(new TorusGeometry(0.03, 0.003, 8, 24));
   private readonly trail = flat(new BufferGeometry(), 0.6);
   private readonly sphere = new Mesh(new SphereGeometry(1, 32, 20), rimmed(0.05, 0.55));
-  private readonly asked = new Arrow(0.003);
+  private readonly asked = new Arrow(0.0036);
   private readonly done = new Arrow(0.0065);
   private readonly line = new Mesh(new CylinderGeometry(0.0035, 0.0035, 1, 8), new MeshBasicMaterial({ color: "#e8a317" }));
   private readonly dot = new SphereGeometry(0.0068, 12, 8);
@@ -75,13 +75,14 @@ export class View3D implements View {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(0.5, -1.36, 0.78); // from the robot's right: its reach is not behind itself
+    this.camera.position.set(0.52, -1.22, 0.72); // from the robot's right: its reach is not behind itself
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.target.set(0.29, 0, 0.29);
+    this.controls.target.set(0.27, 0, 0.25);
     this.controls.enablePan = false;
     this.controls.minDistance = 0.5;
     this.controls.maxDistance = 4;
     this.controls.maxPolarAngle = 1.5;
+    this.controls.update(); // so that the first drag begins from what is seen
     this.line.material.depthTest = false;
     this.line.renderOrder = 4;
     const sun = new DirectionalLight("#ffffff", 2.2);

@@ -175,7 +175,7 @@ export class World {
       const apart = Math.max(0, ...this.ghost.values.map((q, k) => Math.abs(q - (this.confirmed.values[k] ?? q))));
       this.ghostSeen = apart > 0.002 ? Math.min(1, apart / 0.03) : 0; // where they are one, the confirmed one is seen
     }
-    if (this.offset.length() > 0.004 || this.turn.length() > 0.01) this.say("ghost", "predicted", "predicted", place.position, 0, -44);
+    if (this.offset.length() > 0.004 || this.turn.length() > 0.01) this.say("ghost", "predicted", "predicted", place.position, -70, -52);
   }
 
   readonly ghostAt = new Vector3();
@@ -204,7 +204,7 @@ export class World {
     this.path = length > SEEN ? path : [];
     const end = this.path.at(-1);
     const from = this.path[0];
-    if (end && from && end.distanceTo(from) > WORTH_A_WORD) this.say("stop", "stops here", "predicted", end, 0, 16);
+    if (end && from && end.distanceTo(from) > WORTH_A_WORD) this.say("stop", "stops here", "predicted", end, 72, -12);
   }
 
   private leaveTrail(ms: number): void {
@@ -257,7 +257,7 @@ export class World {
     const first = this.dangers[0];
     if (!first?.binds) return;
     const measured = first.from.distanceTo(first.to);
-    this.say("distance", `${(measured * 1000).toFixed(0)} mm`, "distance", first.from.clone().lerp(first.to, 0.5), 0, 8);
+    this.say("distance", `${(measured * 1000).toFixed(0)} mm`, "distance", first.from.clone().lerp(first.to, 0.5), -34, 16);
     const place = first.thing.shape.kind === "plane" ? first.to : first.thing.position;
     this.say("keeps", `${first.thing.id} · keeps ${(first.keeps * 1000).toFixed(0)} mm`, "margin", place, 0, 60);
   }

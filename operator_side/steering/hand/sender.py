@@ -1,12 +1,11 @@
 """Sends what a hand wants to the operator's program: console, gamepad and all others do it by this one class."""
 
-from dataclasses import asdict
+import msgspec
 
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import steering_key
 from farhand.common.messages.steering import Steering
-from farhand.operator_side.steering.wish import Wish
 
 IDLE_NS = 500_000_000
 """A driver that holds nothing down is told of so often, so that the wheel stays its own."""
@@ -27,7 +26,7 @@ class SteeringSender:
         self._source, self._device = source, device
         self._seq, self._told_ns, self._was_pressed = -1, 0, False
 
-    def send(self, wish: Wish, now_ns: int, *, drives: bool) -> None:
+    def send(self, wish: Steering, now_ns: int, *, drives: bool) -> None:
         """Send it, unless nothing is pressed and nothing was; who `drives` is heard of now and then all the same."""
         pressed = any(getattr(wish, name) for name in _PRESSED)
         idle = drives and now_ns - self._told_ns > IDLE_NS
@@ -35,12 +34,12 @@ class SteeringSender:
             return
         self._was_pressed, self._told_ns = pressed, now_ns
         self._seq += 1
-        steering = Steering(
+        steering = msgspec.structs.replace(
+            wish,
             source=self._source,
             session=self._session,
             seq=self._seq,
             t_sent_ns=now_ns,
             device=self._device,
-            **asdict(wish),
         )
         self._link.send(Packet(self._key, encode(steering)))

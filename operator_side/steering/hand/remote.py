@@ -16,8 +16,8 @@ from farhand.common.messages.state import RobotState
 from farhand.common.messages.steering import Steering
 from farhand.common.scenario.section import Section
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
-from farhand.operator_side.steering.latch import Latch
-from farhand.operator_side.steering.wheel import Wheel
+from farhand.operator_side.steering.hand.latch import Latch
+from farhand.operator_side.steering.hand.wheel import Wheel
 
 ESTOP_AT_LEAST_NS = 1_000_000_000
 """An emergency stop is sent for at least this long: the state that shows one may be of an earlier one."""

@@ -5,7 +5,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from farhand.operator_side.steering.latch import SILENCE_NS, Latch
+from farhand.operator_side.steering.hand.latch import SILENCE_NS, Latch
 
 MS = 1_000_000
 messages = st.lists(

@@ -3,11 +3,10 @@
 from farhand.common.link.link import memory_wire
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import steering_key
-from farhand.common.messages.steering import Steering
-from farhand.operator_side.steering.sender import IDLE_NS, SteeringSender
-from farhand.operator_side.steering.wish import Wish
+from farhand.common.messages.steering import Steering, unsent
+from farhand.operator_side.steering.hand.sender import IDLE_NS, SteeringSender
 
-HELD = Wish(engaged=True, press=1, linear=(1.0, 0.0, 0.0))
+HELD = unsent(engaged=True, press=1, linear=(1.0, 0.0, 0.0))
 
 
 class Hand:
@@ -30,14 +29,14 @@ def test_what_is_held_is_told_at_every_call_and_letting_go_once():
     assert (first.session, first.seq, second.seq) == (7, 0, 1)
     assert (first.linear, first.press, first.device) == ((1.0, 0.0, 0.0), 1, "a gamepad")
     assert second.t_sent_ns == hand.now_ns
-    (gone,) = hand.tells(Wish(press=1))
+    (gone,) = hand.tells(unsent(press=1))
     assert not gone.engaged
-    assert hand.tells(Wish(press=1)) == []
+    assert hand.tells(unsent(press=1)) == []
 
 
 def test_the_wheel_is_kept_by_who_wants_it():
     hand = Hand()
     hand.tells(HELD)
-    hand.tells(Wish())
-    assert len(hand.tells(Wish(), IDLE_NS + 1)) == 1
-    assert hand.tells(Wish(), IDLE_NS + 1, keeps=False) == []
+    hand.tells(unsent())
+    assert len(hand.tells(unsent(), IDLE_NS + 1)) == 1
+    assert hand.tells(unsent(), IDLE_NS + 1, keeps=False) == []

@@ -10,9 +10,9 @@ from farhand.common.link.link import Packet
 from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import steering_key
 from farhand.common.messages.steering import Steering
-from farhand.operator_side.steering.latch import SILENCE_NS
-from farhand.operator_side.steering.remote import Remote, RemoteSettings, rotated
-from farhand.operator_side.steering.wheel import FREE_AFTER_NS
+from farhand.operator_side.steering.hand.latch import SILENCE_NS
+from farhand.operator_side.steering.hand.remote import Remote, RemoteSettings, rotated
+from farhand.operator_side.steering.hand.wheel import FREE_AFTER_NS
 from farhand.testing import state, view
 
 MS = 1_000_000

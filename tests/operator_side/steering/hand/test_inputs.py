@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from farhand.operator_side.steering.gamepad import GamepadSettings
-from farhand.operator_side.steering.inputs import read_inputs, shaped
-from farhand.operator_side.steering.spacemouse import SpacemouseSettings
+from farhand.operator_side.steering.hand.gamepad import GamepadSettings
+from farhand.operator_side.steering.hand.inputs import read_inputs, shaped
+from farhand.operator_side.steering.hand.spacemouse import SpacemouseSettings
 
 values, zones, curves = st.floats(-1, 1), st.floats(0, 0.9), st.floats(0, 1)
 

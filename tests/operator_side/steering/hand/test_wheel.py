@@ -1,6 +1,6 @@
 """The wheel: one driver; free when given up, or after 2 s of silence."""
 
-from farhand.operator_side.steering.wheel import FREE_AFTER_NS, Wheel
+from farhand.operator_side.steering.hand.wheel import FREE_AFTER_NS, Wheel
 
 
 def test_the_first_who_wants_it_keeps_it_from_others():

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from farhand.operator_side.steering.sides import MOST, STEP
-from farhand.operator_side.steering.sidestep import LONGEST_NS, Instant, Sidestep
+from farhand.operator_side.steering.tester.sidestep import LONGEST_NS, Instant, Sidestep
 
 TICK_NS = 100_000_000
 AHEAD = (0.3, 0.0, 0.0)

@@ -4,8 +4,8 @@ from typing import Annotated, ClassVar, Literal
 
 from msgspec import Meta
 
-from farhand.operator_side.steering.inputs import Inputs, read_inputs
-from farhand.operator_side.steering.remote import RemoteSettings
+from farhand.operator_side.steering.hand.inputs import Inputs, read_inputs
+from farhand.operator_side.steering.hand.remote import RemoteSettings
 
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 BUTTONS = ("deadman", "estop", "acknowledge", "faster", "slower", "turn_frame")

@@ -1,6 +1,6 @@
 """Plays a course by the rules of hold-to-run: what let go of a press goes on with the next one that was made then."""
 
-from farhand.operator_side.steering.course import Asked, Course
+from farhand.operator_side.steering.recorded.course import Asked, Course
 
 
 class Playback:

@@ -4,13 +4,13 @@ import pytest
 
 from farhand.operator_side.steering.device import SteeringInput, View
 from farhand.operator_side.steering.targets import Targets
-from farhand.operator_side.steering.tester import (
+from farhand.operator_side.steering.tester.tester import (
     ACKNOWLEDGE_PERIOD_NS,
     FAULT_BACK_NS,
     FAULT_TRIES,
     TesterSettings,
 )
-from farhand.operator_side.steering.tester import Tester as PaperTester
+from farhand.operator_side.steering.tester.tester import Tester as PaperTester
 from farhand.operator_side.supervision import Seat, decide
 from farhand.testing import messages
 

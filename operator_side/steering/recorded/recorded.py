@@ -5,9 +5,9 @@ from typing import Any, ClassVar
 
 from farhand.common.errors import InputError
 from farhand.common.scenario.section import Section
-from farhand.operator_side.steering.course import read_course
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
-from farhand.operator_side.steering.playback import Playback
+from farhand.operator_side.steering.recorded.course import read_course
+from farhand.operator_side.steering.recorded.playback import Playback
 
 SETTLES_NS = 3_000_000_000
 """So long after its end the run goes on: a robot far away is still on its way."""

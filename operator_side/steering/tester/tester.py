@@ -13,7 +13,7 @@ from farhand.common.messages.base import ZERO, Positive, Quaternion, Vector3
 from farhand.common.messages.state import FAULT, RobotState
 from farhand.common.scenario.section import Section
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
-from farhand.operator_side.steering.sidestep import Instant, Sidestep
+from farhand.operator_side.steering.tester.sidestep import Instant, Sidestep
 
 ACKNOWLEDGE_PERIOD_NS = 500_000_000
 FAULT_TRIES = 3

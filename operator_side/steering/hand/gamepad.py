@@ -3,8 +3,8 @@
 from typing import ClassVar
 
 from farhand.common.scenario.section import Section
-from farhand.operator_side.steering.hand_settings import HandSettings
-from farhand.operator_side.steering.remote import Remote
+from farhand.operator_side.steering.hand.hand_settings import HandSettings
+from farhand.operator_side.steering.hand.remote import Remote
 
 STICKS = ("leftx", "lefty", "rightx", "righty", "lefttrigger", "righttrigger")
 KEYS = (
