@@ -1,6 +1,6 @@
 """What pages are told, as builtin types that MessagePack knows: a frame many times a second, the rest on change."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import msgspec
@@ -40,14 +40,15 @@ def situation(
         picture.state,
         report_age,
         state_age,
-        driver.name if driver is not None else "",
-        seat.holds(now_ns),
-        seat.stopping,
-        outage,
-        frozen,
-        was_lost,
-        tool_to(picture, picture.report.binding) if picture.report and picture.report.binding else None,
-        seat.stopped_by,
+        driver=driver.name if driver is not None else "",
+        asks=next((page.name for page in seat.pages.values() if page.asks), ""),
+        holds=seat.holds(now_ns),
+        stopping=seat.stopping,
+        outage=outage,
+        frozen=frozen,
+        was_lost=was_lost,
+        near=tool_to(picture, picture.report.binding) if picture.report and picture.report.binding else None,
+        stopped_by=seat.stopped_by,
     )
 
 
@@ -62,6 +63,7 @@ def frame(
     """What page `number` is told of one instant."""
     state, report = picture.state, picture.report
     page = seat.pages.get(number)
+    now = replace(now, watches=number != seat.driver)
     return {
         "kind": "frame",
         "stamp": now_ns // 1_000_000,

@@ -49,7 +49,9 @@ class Situation:
     report, state: newest; None: none came.
     report_age, state_age: since they came (s).
     driver: name of the page that drives; empty: none does.
-    holds: whether it holds something down.
+    watches: whether the page that is told of it is another one.
+    asks: name of a page that asks for control; empty: none does.
+    holds: whether the driver holds something down.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
     outage: whether an outage of the emulated network runs.
     frozen: for how long the camera has shown nothing new (s); 0: it does, or there is none.
@@ -63,6 +65,8 @@ class Situation:
     report_age: float
     state_age: float
     driver: str = ""
+    watches: bool = False
+    asks: str = ""
     holds: bool = False
     stopping: bool = False
     outage: bool = False
@@ -200,6 +204,10 @@ def _waiting(now: Situation) -> Iterator[Reason]:
         )
     if not now.driver:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
+    elif now.watches:
+        yield Reason("ready", f"{now.driver.capitalize()} drives, you watch.", "Ask for control, to drive.")
+    elif now.asks:
+        yield Reason("ready", f"{now.asks.capitalize()} asks for control.", "Hand over, or drive on.")
     else:
         yield Reason("ready", "Hold a key or a button to move; let go to stop.")
 

@@ -41,6 +41,8 @@ def situation(**more):
         (situation(report=report(stop_reason="anna holds control; waiting")), "taken", "anna"),
         (situation(), "ready", "Nobody drives"),
         (situation(driver="page 1"), "ready", "Hold a key"),
+        (situation(driver="page 1", watches=True, asks="page 2"), "ready", "Page 1 drives, you watch."),
+        (situation(driver="page 1", asks="page 2"), "ready", "Page 2 asks for control."),
         (situation(driver="page 1", stopping=True), "e-stop", "not confirmed"),
         (situation(driver="page 1", was_lost=3.2), "ready", "Connected again after 3.2 s. Nothing moves"),
         (situation(driver="page 1", holds=True), "run", "As asked"),

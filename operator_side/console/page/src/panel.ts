@@ -65,7 +65,8 @@ export class Panel {
     element("read").classList.toggle("old", told.locked !== "");
     put("clearance-of", old ? `mm, ${told.age?.toFixed(0)} s ago` : nearest ? `mm to ${nearest}` : "mm");
     put("kept", report && state ? keptText(report) : "keeps –");
-    put("margin", report && state ? marginText(report) : "");
+    const parts = report && state ? marginText(report) : "";
+    put("margin", parts.includes("=") ? parts : "");
     this.bar(clearance, limit, kept);
     put("speed", state ? Math.hypot(...state.velocity).toFixed(2) : "–");
     put("asked", report && state ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
