@@ -218,9 +218,12 @@ def take(desk: Desk, path: Path, how: str, tries: int = 40) -> bool:
         page.key("KeyD")
         desk.pause.wait(0.8)
         seen = page.run(shows)
-        page.picture(path)
+        taken = path.with_suffix(".new.png")
+        page.picture(taken)
         if seen == page.run(shows) == ["slowed", "fresh"]:
+            taken.replace(path)
             return True
+        taken.unlink()
     return False
 
 

@@ -163,7 +163,7 @@ function show(): void {
   if (!told) return;
   shownAt = clock();
   panel.say(reasons());
-  panel.show(told, world.nearest);
+  panel.show(told, world.nearest, isSilent() ? (clock() - toldAt) / 1000 : null);
   controls.light(isHeard(), received && isHeard());
   networks.show(told.networks);
   showRecording(told.recording);
@@ -207,7 +207,6 @@ function showSeat(told: FrameTold): void {
 function showStale(told: FrameTold): void {
   const why = isSilent() ? "no picture: the console is silent" : told.locked;
   element("view").classList.toggle("stale", why !== "");
-  if (isSilent()) element("read").classList.add("old");
   element("stale").hidden = !why;
   put("stale", why);
 }

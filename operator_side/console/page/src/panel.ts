@@ -54,24 +54,25 @@ export class Panel {
     put("spoken", `${pill}. ${what}`);
   }
 
-  /** `nearest` is the obstacle that the clearance is to. */
-  show(told: FrameTold, nearest: string): void {
+  /** `nearest` is the obstacle that the clearance is to, `silent` for how long the console has been (s); null: it is not. */
+  show(told: FrameTold, nearest: string, silent: number | null): void {
     const { state, report } = told;
     const limit = report?.limit ?? 0;
     const kept = limit + (report ? report.inflation + report.sigma : 0);
     const clearance = state?.clearance ?? null;
     put("clearance", clearance === null ? "–" : (clearance * 1000).toFixed(0));
-    const old = told.locked !== "" && told.age !== null;
-    element("read").classList.toggle("old", told.locked !== "");
-    put("clearance-of", old ? `mm, ${told.age?.toFixed(0)} s ago` : nearest ? `mm to ${nearest}` : "mm");
+    const lost = told.locked !== "" || silent !== null;
+    const age = told.age === null ? null : told.age + (silent ?? 0);
+    element("read").classList.toggle("old", lost);
+    put("clearance-of", lost && age !== null ? `mm, ${age.toFixed(0)} s ago` : nearest ? `mm to ${nearest}` : "mm");
     put("kept", report && state ? keptText(report) : "keeps –");
     const parts = report && state ? marginText(report) : "";
     put("margin", parts.includes("=") ? parts : "");
     this.bar(clearance, limit, kept);
     put("speed", state ? Math.hypot(...state.velocity).toFixed(2) : "–");
     put("asked", report && state ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
-    this.link(told);
-    this.remember(told, limit, kept);
+    this.link(told, lost);
+    this.remember(told, limit, kept, lost);
   }
 
   /** How far it is, over what must be kept: the limit, and the margin beyond it. */
@@ -84,11 +85,10 @@ export class Panel {
     if (mark instanceof HTMLElement) mark.style.left = share(limit);
   }
 
-  private link(told: FrameTold): void {
+  private link(told: FrameTold, lost: boolean): void {
     const { report } = told;
-    const lost = told.locked !== "" || told.age === null;
     const trip = report?.rtt_mean ?? null;
-    const word = lost ? "lost" : !report || trip === null ? "–" : trip > 0.15 || (report.loss ?? 0) > 0.05 ? "slow" : "good";
+    const word = lost || told.age === null ? "lost" : !report || trip === null ? "–" : trip > 0.15 || (report.loss ?? 0) > 0.05 ? "slow" : "good";
     put("link", word);
     const name = `big word ${word}`;
     if (element("link").className !== name) element("link").className = name;
@@ -101,9 +101,9 @@ export class Panel {
     );
   }
 
-  private remember(told: FrameTold, limit: number, kept: number): void {
+  private remember(told: FrameTold, limit: number, kept: number, lost: boolean): void {
     const now = performance.now();
-    if (told.state && told.report && !told.locked && now - (this.past.at(-1)?.at ?? 0) > 100) {
+    if (told.state && told.report && !lost && now - (this.past.at(-1)?.at ?? 0) > 100) {
       this.past.push({ at: now, clearance: told.state.clearance, kept, trip: told.report.rtt_mean });
       this.past = this.past.filter((each) => now - each.at < HISTORY_MS);
     }
