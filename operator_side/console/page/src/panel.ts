@@ -88,7 +88,8 @@ export class Panel {
   private link(told: FrameTold, lost: boolean): void {
     const { report } = told;
     const trip = report?.rtt_mean ?? null;
-    const word = lost || told.age === null ? "lost" : !report || trip === null ? "–" : trip > 0.15 || (report.loss ?? 0) > 0.05 ? "slow" : "good";
+    const word =
+      lost || told.age === null ? "lost" : !report || trip === null ? "–" : trip > 0.15 || (report.loss ?? 0) > 0.05 ? "slow" : "good";
     put("link", word);
     const name = `big word ${word}`;
     if (element("link").className !== name) element("link").className = name;
