@@ -199,7 +199,8 @@ export class World {
 
   /** The committed path, and a word at its end where that is somewhere else. */
   private findPath(told: FrameTold): void {
-    const path = this.live ? told.path.map((at) => new Vector3(...at)) : [];
+    const stopped = told.state?.mode === "stopped" || told.state?.mode === "estop"; // then it follows no plan
+    const path = this.live && !stopped ? told.path.map((at) => new Vector3(...at)) : [];
     const length = path.reduce((sum, at, k) => sum + at.distanceTo(path[k - 1] ?? at), 0);
     this.path = length > SEEN ? path : [];
     const end = this.path.at(-1);
