@@ -107,7 +107,7 @@ def main() -> None:
         plain = f"{f['msgpack_encode'] * 1e6:.1f} / {f['msgpack_decode'] * 1e6:.1f}"
         row = (f"{f['encode'] * 1e6:.1f}", f"{f['decode_validated'] * 1e6:.1f}", plain)
         table.add_row(name, str(f["bytes"]), *row)
-    Console().print(table)
+    Console(markup=False).print(table)
     if options.json:
         options.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 

@@ -179,7 +179,7 @@ def _echo(where):
 
 
 def _print(found):
-    console = Console()
+    console = Console(markup=False)
     table = Table(title="Error of the achieved delay, constant 20 ms, 500 messages/s each way (ms)")
     for column in ("scheduling", "median", "p99", "max"):
         table.add_column(column, justify="right")

@@ -131,7 +131,7 @@ def main() -> None:
     for name, each in campaigns.items():
         rate = f"{each['tasks_per_minute_and_core']:.0f}"
         table.add_row(f"table1, {name}", f"{each['ratio']:.0f}", "", "", "", rate)
-    console = Console()
+    console = Console(markup=False)
     console.print(table)
     console.print("own time: " + ", ".join(f"{name} {100 * share:.0f} %" for name, share in parts.items()))
 

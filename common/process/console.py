@@ -15,10 +15,14 @@ FOLDED = 12
 
 
 def page(*, stderr: bool = False, highlight: bool = True, emoji: bool = True) -> Console:
-    """A console on stdout, or on stderr; `COLUMNS` says how wide, as everywhere."""
+    """A console on stdout, or on stderr; `COLUMNS` says how wide, as everywhere.
+
+    What is printed there is text as it stands: `[words]` in brackets are no markup, whosever they are.
+    """
     file = sys.stderr if stderr else sys.stdout
     free = not file.isatty() and not os.environ.get("COLUMNS", "").isdigit()
-    return Console(file=file, width=FILE_WIDTH if free else None, highlight=highlight, emoji=emoji)
+    width = FILE_WIDTH if free else None
+    return Console(file=file, width=width, markup=False, highlight=highlight, emoji=emoji)
 
 
 def whole(table: Table, console: Console) -> RenderableType:

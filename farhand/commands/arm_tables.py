@@ -26,7 +26,7 @@ def print_arms(arms: Sequence["ArmModel"]) -> None:
             str(len(arm.capsules)),
             str(len(arm.self_pairs)),
         )
-    Console(soft_wrap=True).print(table)
+    Console(soft_wrap=True, markup=False).print(table)
 
 
 def print_fit(fitted: "FittedArm") -> None:
@@ -47,7 +47,7 @@ def print_fit(fitted: "FittedArm") -> None:
             f"{MM * each.excess_max:.1f}",
             f"within that of {each.covered_by}" if each.covered_by else "",
         )
-    console = Console(soft_wrap=True)
+    console = Console(soft_wrap=True, markup=False)
     console.print(table)
     count = sum(not each.covered_by for each in fitted.links)
     console.print(

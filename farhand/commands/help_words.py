@@ -1,6 +1,9 @@
-"""What stands behind an option in --help: a word for what is wanted, instead of a Python type."""
+"""What --help says: its text as it is written, and behind an option a word for what is wanted, not a Python type."""
 
+import inspect
 from typing import Any
+
+from rich.markup import escape
 
 _BY_NAME = {
     "scenario": "NAME or FILE",
@@ -14,6 +17,8 @@ _BY_NAME = {
     "listen": "ENDPOINT",
     "report": "ENDPOINT",
     "control": "PORT",
+    "metrics": "PORT",
+    "netem": "ENDPOINT",
     "timeline": "FILE",
     "stats": "FILE",
     "log": "FILE",
@@ -30,10 +35,15 @@ _BY_TYPE = {"str": "TEXT", "int": "NUMBER", "float": "NUMBER", "Path": "PATH"}
 
 def in_plain_words(command: Any) -> Any:
     """The same Click command, and all below it, whose options say what they want; returns it."""
+    command.help = _as_written(command.help)
     for below in getattr(command, "commands", {}).values():
         in_plain_words(below)
     for param in command.params:
         limits = _limits(param)
+        if getattr(param, "help", None):
+            if "(default: " in param.help:
+                param.show_default = False  # said already, and of what stands for it in the program
+            param.help = _as_written(param.help)
         if param.param_type_name == "argument":
             param.display_type_rich = lambda ctx: None  # its name and its help say enough
         elif param.metavar is None:
@@ -43,6 +53,14 @@ def in_plain_words(command: Any) -> Any:
     its_own = command.get_help_option
     command.get_help_option = lambda context: _as_flag(its_own(context))
     return command
+
+
+def _as_written(text: str | None) -> str | None:
+    """A help text that comes out whole: what is in brackets is no markup, and each paragraph is wrapped once."""
+    if text is None:
+        return None
+    paragraphs = inspect.cleandoc(text).split("\n\n")
+    return escape("\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs))
 
 
 def _as_flag(option: Any) -> Any:
@@ -65,5 +83,10 @@ def _limits(param: Any) -> str:
     if getattr(param, "is_flag", False) or (least is None and most is None):
         return ""
     if most is None:
-        return f"{least:g} or more"
-    return f"up to {most:g}" if least is None else f"{least:g} to {most:g}"
+        return f"{_plain(least)} or more"
+    return f"up to {_plain(most)}" if least is None else f"{_plain(least)} to {_plain(most)}"
+
+
+def _plain(number: float) -> str:
+    """Without an exponent."""
+    return f"{number:.15g}"

@@ -50,7 +50,10 @@ def table1(
         str, typer.Option(help=f"Some of {','.join(MARGINS.names())}.")
     ] = "none,paper,adaptive",
     robot: Annotated[
-        str, typer.Option(help="Model of the box: point (first-order lag, fast) or box (PyBullet).")
+        str,
+        typer.Option(
+            metavar="point | box", help="Model of the box: first-order lag, which is fast, or PyBullet."
+        ),
     ] = "point",
     task: Annotated[int | None, typer.Option(min=0, help="Run this one task alone.")] = None,
     computing_time: ComputingOption = "20",

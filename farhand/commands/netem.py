@@ -54,13 +54,18 @@ def netem(
         str,
         typer.Option(help=f"Listen for live control on this local port or endpoint ({DEFAULT_ENDPOINT})."),
     ] = "",
-    metrics: Annotated[int, typer.Option(help="Serve Prometheus metrics on this local port.")] = 0,
+    metrics: Annotated[
+        int, typer.Option(help="Serve Prometheus metrics on this local port (default: none).")
+    ] = 0,
     ready_file: Annotated[str, typer.Option(help="Write this file once both sides listen.")] = "",
     ready_fd: Annotated[
-        int, typer.Option(help="Write a line to this file descriptor once both listen.")
+        int, typer.Option(help="Write a line to this file descriptor once both listen (default: none).")
     ] = -1,
     backend: Annotated[
-        str, typer.Option(help="Who emulates: message (this program) or tc (the kernel, on packets).")
+        str,
+        typer.Option(
+            metavar="message | tc", help="Who emulates: this program, on messages, or the kernel, on packets."
+        ),
     ] = "message",
     tc_operator: Annotated[
         str, typer.Option(help="Network device of the operator's side (default: the endpoint's).")

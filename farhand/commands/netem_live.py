@@ -11,7 +11,9 @@ ControlOption = Annotated[
     str,
     typer.Option("--control", help="Where the running emulator's live control listens: a port or endpoint."),
 ]
-DirectionOption = Annotated[str, typer.Option("--direction", help="uplink, downlink or both.")]
+DirectionOption = Annotated[
+    str, typer.Option("--direction", metavar="uplink | downlink | both", help="Which way.")
+]
 OwnOption = Annotated[
     str,
     typer.Option(

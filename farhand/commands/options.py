@@ -11,7 +11,7 @@ from farhand.common.toml import parse_toml
 from farhand.operator_side.control.registry import SOLVERS
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
-from farhand.operator_side.steering.registry import DEVICES
+from farhand.operator_side.steering.registry import BY_HAND, DEVICES
 from farhand.programs.command_line import DEFAULT_NETWORK
 
 if TYPE_CHECKING:
@@ -43,8 +43,16 @@ PredictorOption = Annotated[
 SolverOption = Annotated[
     str | None, typer.Option(metavar=" | ".join(SOLVERS.names()), help="Solver (default: scenario's).")
 ]
-STEERS = " | ".join("recorded:RUN" if name == "recorded" else name for name in DEVICES.names())
+_STEERS = ["recorded:RUN" if name == "recorded" else name for name in DEVICES.names()]
+STEERS = " | ".join(_STEERS)
 SteerOption = Annotated[str | None, typer.Option(metavar=STEERS, help="What steers (default: scenario's).")]
+SimulatedSteerOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar=" | ".join(name for name in _STEERS if name not in BY_HAND),
+        help="What steers (default: scenario's).",
+    ),
+]
 GuardOption = Annotated[
     str | None,
     typer.Option(
@@ -213,12 +221,13 @@ def parse_value(text: str) -> object:
 
 def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
-    from rich.markup import escape
     from rich.table import Table
 
     from farhand.common.process.console import page
 
     table = Table.grid(padding=(0, 2))
+    table.add_column(style="bold")
+    table.add_column()
     for name, line in rows:
-        table.add_row(f"[bold]{escape(name)}[/bold]", escape(line))
+        table.add_row(name, line)
     page(emoji=False).print(table)

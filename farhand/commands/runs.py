@@ -17,8 +17,8 @@ from farhand.commands.options import (
     ScenarioOption,
     SeedOption,
     SetOption,
+    SimulatedSteerOption,
     SolverOption,
-    SteerOption,
     TimeLimitOption,
     TimelineOption,
     UplinkOption,
@@ -114,7 +114,7 @@ def simulate(
     margin: MarginOption = None,
     predictor: PredictorOption = None,
     solver: SolverOption = None,
-    steer: SteerOption = None,
+    steer: SimulatedSteerOption = None,
     rate: RateOption = None,
     guard: GuardOption = None,
     settings: SetOption = None,
@@ -128,7 +128,10 @@ def simulate(
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run one task in virtual time: the same nodes, summary and figure as the demo, in a fraction of the time."""
+    """Run one task in virtual time: the same nodes, summary and figure as the demo, in a fraction of the time.
+
+    Exit code 0: safe and finished. 1: not safe, or not finished. 2: bad input.
+    """
     from farhand.laboratory.simulate_run import run_simulation
     from farhand.runs.run import Run
 

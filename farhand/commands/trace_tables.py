@@ -6,7 +6,6 @@ from typing import cast
 
 import msgspec
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from farhand.common.process.console import page, whole
@@ -21,7 +20,7 @@ def print_trace(trace: Trace, name: str, summary: Summary, correlation: Mapping[
     console = page()
     span = "no times" if trace.duration is None else f"{trace.duration:.1f} s"
     loss = 100 * cast(float, summary["loss"])
-    console.print(escape(f"{name}: {trace.kind}, {trace.provenance or 'source unknown'}"), highlight=False)
+    console.print(f"{name}: {trace.kind}, {trace.provenance or 'source unknown'}", highlight=False)
     print_reading(trace, console)
     console.print(
         f"{summary['samples']} samples, {span}, {summary['lost']} lost ({loss:.2f} %)", highlight=False
@@ -42,10 +41,10 @@ def print_reading(trace: Trace, console: Console | None = None) -> None:
     """How the file was read, and what was assumed or left out."""
     console, reading = console or page(), trace.reading
     for what, how in reading.how.items():
-        console.print(escape(f"  {what}: {how}"), highlight=False)
+        console.print(f"  {what}: {how}", highlight=False)
     console.print(f"  lost: {reading.lost_seen} seen, {reading.lost_inferred} inferred", highlight=False)
     for note in reading.notes:
-        console.print(escape(f"  note: {note}"), highlight=False)
+        console.print(f"  note: {note}", highlight=False)
 
 
 def print_fit(model: DelayModel, recorded: Summary, fitted: Mapping[float, float], lost: float) -> None:

@@ -22,18 +22,26 @@ FileArgument = Annotated[Path, typer.Argument(help="The trace.", metavar="FILE")
 FormatOption = Annotated[
     str, typer.Option("--format", help="Name of the format, such as ping (default: by the content).")
 ]
-UnitOption = Annotated[str, typer.Option("--unit", help="Unit of the delays: s, ms, us or ns.")]
+UnitOption = Annotated[str, typer.Option("--unit", metavar="s | ms | us | ns", help="Unit of the delays.")]
 ColumnOption = Annotated[str, typer.Option("--column", help="The delay's column: its name, or 1, 2, ...")]
-PeriodOption = Annotated[float, typer.Option("--period", help="Length of a slot, in ms.")]
-KindOption = Annotated[str, typer.Option("--kind", help="one-way or round-trip.")]
+PeriodOption = Annotated[
+    float, typer.Option("--period", help="Length of a slot, in ms (default: the file's own).")
+]
+KindOption = Annotated[str, typer.Option("--kind", metavar="one-way | round-trip", help="Of the delays.")]
 GapOption = Annotated[
     str,
     typer.Option(
-        "--gap", help="Rows missing in time: auto (judged), loss, delay (held until the next), or ignore."
+        "--gap",
+        metavar="auto | loss | delay | ignore",
+        help="Rows missing in time: judged, lost, held until the next, or no matter.",
     ),
 ]
-TimeUnitOption = Annotated[str, typer.Option("--time-unit", help="Unit of the times: s, ms, us or ns.")]
-DecimalOption = Annotated[str, typer.Option("--decimal", help="comma or point, where 1,234 can be either.")]
+TimeUnitOption = Annotated[
+    str, typer.Option("--time-unit", metavar="s | ms | us | ns", help="Unit of the times.")
+]
+DecimalOption = Annotated[
+    str, typer.Option("--decimal", metavar="comma | point", help="Where 1,234 can be either.")
+]
 LostOption = Annotated[
     str, typer.Option("--lost", help="How the file writes a lost message, such as 0; none: a 0 is a delay.")
 ]
@@ -115,7 +123,7 @@ def record_command(
     rate: Annotated[float, typer.Option(help="Messages per second.")] = 50.0,
     size: Annotated[int, typer.Option(help="Bytes of each message.")] = 300,
     seconds: Annotated[
-        float, typer.Option(help="How long to send (0: 20 s), or to reflect (0: always).")
+        float, typer.Option(help="How long to send, in s (default: 20), or to reflect (default: always).")
     ] = 0.0,
     wait: Annotated[float, typer.Option(help="How long to wait for the last echoes, in s.")] = 2.0,
     out: Annotated[str, typer.Option(help="The trace to write (CSV).")] = "trace.csv",
@@ -200,9 +208,11 @@ def fit(
 def convert(
     file: Annotated[Path, typer.Argument(help="The trace to read.", metavar="IN")],
     target: Annotated[Path, typer.Argument(help="The file to write.", metavar="OUT")],
-    to: Annotated[str, typer.Option(help="csv or slots.")] = "csv",
-    to_unit: Annotated[str, typer.Option(help="Unit to write.")] = "ms",
-    slot: Annotated[float, typer.Option(help="Length of the slots to write, in ms.")] = 0.0,
+    to: Annotated[str, typer.Option(metavar="csv | slots", help="The format to write.")] = "csv",
+    to_unit: Annotated[str, typer.Option(metavar="s | ms | us | ns", help="Unit to write.")] = "ms",
+    slot: Annotated[
+        float, typer.Option(help="Length of the slots to write, in ms (default: the trace's own).")
+    ] = 0.0,
     format: FormatOption = "",
     unit: UnitOption = "",
     column: ColumnOption = "",

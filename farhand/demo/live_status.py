@@ -295,7 +295,7 @@ def watch_operator(connect: str, name: str) -> int:
     reader = ReportReader(connect, name, clock)
     PeerWatch("watch", connect, reader.link.connected, stop_event)
     try:
-        with StatusView(f"{name} at {connect}", Console(file=sys.stdout)) as view:
+        with StatusView(f"{name} at {connect}", Console(file=sys.stdout, markup=False)) as view:
             while not stop_event.wait(1.0 / REFRESH_HZ):
                 view.update(reader.read(), clock.now_ns(), reader.connected())
     finally:

@@ -64,7 +64,7 @@ def _print_found(found: list[dict[str, object]], lacks: Mapping[str, str]) -> No
 
 
 def _watch(sources: Mapping[str, Source], stop_event: threading.Event, as_json: bool) -> None:
-    clock, console = SystemClock(), Console(file=sys.stdout)
+    clock, console = SystemClock(), Console(file=sys.stdout, markup=False)
     if console.is_terminal and not as_json:
         with Live(console=console, auto_refresh=False, transient=True) as live:
             _each(sources, stop_event, clock, lambda shown: live.update(drawn(shown), refresh=True))

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import zenoh
-from rich.markup import escape
 from rich.table import Table
 
 from farhand.common.link.zenoh_link import open_session
@@ -50,7 +49,7 @@ def list_robots(connect: Sequence[str], tls: str, as_json: bool, router: bool = 
     for column in columns:
         table.add_column(column, overflow="fold")
     for row in rows:
-        table.add_row(*(escape(str(row[column])) for column in columns))
+        table.add_row(*(str(row[column]) for column in columns))
     console = page()
     console.print(whole(table, console) if rows else "no robots")
     if emulated:

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from rich.markup import escape
 from rich.table import Table
 
 from farhand.netem.measure.report import fine_milliseconds
@@ -22,7 +21,7 @@ def check_table(found: dict[str, Any]) -> Table:
         table.add_column(name, justify="right", overflow="fold")
 
     def row(label: str, *values: object) -> None:
-        table.add_row(label, *(escape(str(value)) for value in values))
+        table.add_row(label, *map(str, values))
 
     def quantities(values: dict[str, float], *names: str) -> str:
         return " / ".join(fine_milliseconds(values[name]) for name in names)

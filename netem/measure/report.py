@@ -1,7 +1,6 @@
 """The emulator's statistics as a table for people."""
 
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from farhand.common.process.console import whole
@@ -22,7 +21,7 @@ def statistics_table(statistics: NetemResult) -> Table:
     both = tuple(statistics.directions.values())
 
     def row(label: str, *values: object) -> None:
-        table.add_row(label, *(escape(str(value)) for value in values))
+        table.add_row(label, *map(str, values))
 
     row("network", *(d.spec for d in both))
     for name in ("received", "delivered", "duplicated", "corrupted", "reordered", "retransmitted", "queued"):
@@ -85,5 +84,5 @@ def robots_table(statistics: NetemResult, names: list[str]) -> Table:
                 counts = [str(found.received), str(sum(found.dropped.values())), delays]
             first = sign == "up"
             trips = f"{rtt.p50 * 1000:.1f}" if rtt is not None and rtt.count and first else ""
-            table.add_row(escape(name) if first else "", escape(network), *counts, trips)
+            table.add_row(name if first else "", network, *counts, trips)
     return table

@@ -21,6 +21,8 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
         "recorded": "farhand.operator_side.steering.recorded.recorded:Recorded",
     },
 )
+BY_HAND = ("remote", "gamepad", "spacemouse")
+"""Those of which a person is part: nobody steers them in virtual time."""
 
 
 def make_device(settings: SteeringSettings) -> "SteeringDevice":

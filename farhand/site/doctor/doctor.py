@@ -9,7 +9,6 @@ from dataclasses import asdict
 from typing import Any
 
 import zenoh
-from rich.markup import escape
 from rich.table import Table
 
 from farhand.common.errors import CertificateError, EndpointError
@@ -57,7 +56,7 @@ def run_doctor(
         table.add_column(column, overflow="fold")
     for finding in findings:
         remedy = f"\n→ {finding.remedy}" if finding.remedy else ""
-        table.add_row(finding.level, finding.what, escape(finding.found + remedy))
+        table.add_row(finding.level, finding.what, finding.found + remedy)
     console = page()
     console.print(whole(table, console))
     notes = sum(finding.level == "note" for finding in findings)

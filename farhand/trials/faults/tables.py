@@ -96,8 +96,8 @@ def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def show(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """A table on the terminal, as wide as that is, and at least 150 columns."""
-    console = Console()
+    console = Console(markup=False)
     table = Table(*headings)
     for row in rows:
         table.add_row(*row)
-    Console(width=max(150, console.width)).print(table)
+    Console(width=max(150, console.width), markup=False).print(table)

@@ -140,7 +140,7 @@ def main() -> int:
     parser.add_argument("--markdown", action="store_true", help="print the table for a document")
     parser.add_argument("--json", type=Path, help="write the results to this file as well")
     options = parser.parse_args()
-    console = Console(width=200, stderr=True)
+    console = Console(width=200, stderr=True, markup=False)
     try:
         problem = why_no_kernel()
         if problem:
@@ -164,7 +164,7 @@ def main() -> int:
         table = Table(*HEADINGS)
         for one in found:
             table.add_row(*row(one))
-        Console(width=170).print(table)
+        Console(width=170, markup=False).print(table)
     return 0
 
 

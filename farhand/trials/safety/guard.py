@@ -98,7 +98,7 @@ def run_case(seed: int, case: Case) -> Outcome:
 
 def run_trial(trial: Trial, out: Path, workers: int) -> int:
     """Run what is missing, print the table; returns 0, or 1 where anything came nearer than d_min among what stands."""
-    console = Console()
+    console = Console(markup=False)
     done = _open(trial, out)
     cases = trial.cases()
     missing = [case for case in cases if case.key not in done]

@@ -1,12 +1,16 @@
 """Tables for people: whole in 80 columns, whatever is in them, and unbroken in a file."""
 
 import io
+import re
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 from rich.table import Table
 
 from farhand.common.process.console import FILE_WIDTH, page, whole
+
+REPOSITORY = Path(__file__).parents[3]
 
 
 def drawn(table: Table, width: int) -> str:
@@ -62,3 +66,23 @@ def test_a_file_has_unbroken_lines_unless_columns_are_asked_for(monkeypatch, cap
     assert page().width == FILE_WIDTH
     monkeypatch.setenv("COLUMNS", "80")
     assert page().width == 80
+
+
+def test_what_is_in_brackets_is_printed_as_it_stands(capsys):
+    words = "[steering.gamepad] [bold] [/x] trace:[red]delays.csv"
+    table = Table("heading [bold]", title=words)
+    table.add_row(words)
+    page().print(words)
+    page().print(whole(table, page()))
+    assert capsys.readouterr().out.count(words) == 3
+
+
+def test_no_console_of_the_program_reads_markup():
+    """One made elsewhere than by `page` says so as well."""
+    for root in ("common", "netem", "operator_side", "robot_side", "farhand", "benchmarks"):
+        for file in (REPOSITORY / root).rglob("*.py"):
+            text = file.read_text()
+            if "rich.console import" in text:
+                assert "rich.markup" not in text, file
+                for made in re.findall(r"\bConsole\([^\n]*", text):
+                    assert "markup=False" in made, f"{file}: {made}"
