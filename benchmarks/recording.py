@@ -20,7 +20,7 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.batch import TickBatch
 from farhand.common.recording.reader import RecordedRun, read_run
-from farhand.common.timing.clock import processor_seconds, thread_seconds
+from farhand.common.timing.clock import stopwatch_seconds, thread_seconds
 from farhand.laboratory.simulation import simulate
 from farhand.operator_side.tick_history import KEPT, TickHistory
 from farhand.programs.recorder import ASK_EVERY, FRAMES_BYTES
@@ -73,9 +73,9 @@ def measure(folder: Path, seconds: float) -> dict[str, float]:
     simulate(SCENARIO, network=NETWORK, time_limit=min(1.0, seconds))  # imports and compiled code
     spent: dict[bool, list[float]] = {True: [], False: []}
     for recorded in (True, False, True, False):
-        began = processor_seconds()
+        began = stopwatch_seconds()
         simulate(SCENARIO, network=NETWORK, time_limit=seconds, record_to=path if recorded else None)
-        spent[recorded].append(processor_seconds() - began)
+        spent[recorded].append(stopwatch_seconds() - began)
     run = read_run(path)
     minute = folder / "minute.mcap"
     period = (run.ticks[-1].now_ns - run.ticks[0].now_ns) * 1e-9 / (len(run.ticks) - 1)

@@ -17,7 +17,7 @@ from farhand.common.recording.fates import Fate
 from farhand.common.recording.reader import Entry, RunReader, read_run
 from farhand.common.recording.records import TickRecord
 from farhand.common.recording.run_file import RunFile
-from farhand.common.timing.clock import processor_seconds
+from farhand.common.timing.clock import stopwatch_seconds
 from farhand.foxglove.view import views_of
 from farhand.laboratory.simulation import simulate
 
@@ -61,7 +61,7 @@ print(json.dumps({"code": code, "processor_seconds": used.ru_utime + used.ru_sti
 def measure(recording: Path) -> dict[str, Any]:
     """Seconds and peak memory of `farhand report` in a process of its own."""
     out = recording.with_suffix(".html")
-    began = processor_seconds()
+    began = stopwatch_seconds()
     done = subprocess.run(
         [sys.executable, "-c", _CHILD, str(recording), str(out)],
         check=True,
@@ -69,7 +69,7 @@ def measure(recording: Path) -> dict[str, Any]:
         text=True,
     )
     return {
-        "seconds": processor_seconds() - began,
+        "seconds": stopwatch_seconds() - began,
         **json.loads(done.stdout.splitlines()[-1]),
         "recording_bytes": recording.stat().st_size,
         "page_bytes": out.stat().st_size,

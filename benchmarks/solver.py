@@ -21,7 +21,7 @@ from msgspec import structs
 
 from benchmarks.solver_instances import SETTINGS, closed_loop
 from benchmarks.solver_shapes import ROUNDS, in_turn, without_planes
-from farhand.common.timing.clock import SystemClock, processor_seconds, to_ns
+from farhand.common.timing.clock import SystemClock, stopwatch_seconds, to_ns
 from farhand.operator_side.control.controller import Controller, ControlProblem, Status
 from farhand.operator_side.control.ipopt import IpoptController
 from farhand.operator_side.control.newton import NewtonController
@@ -36,12 +36,12 @@ SHAPES_WANTED = 1.05
 PATIENT = structs.replace(SETTINGS, wall_time_limit=10.0)
 
 FIRST_CALL = """
-from farhand.common.timing.clock import processor_seconds
-start = processor_seconds()
+from farhand.common.timing.clock import stopwatch_seconds
+start = stopwatch_seconds()
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.control.registry import make_controller
 make_controller(ControllerSettings()).prepare()
-print(processor_seconds() - start)
+print(stopwatch_seconds() - start)
 """
 
 
@@ -56,9 +56,9 @@ def timed(controller: Controller, problems: Sequence[ControlProblem], idle: floa
             controller.reset()
         if idle:
             clock.sleep_until(clock.now_ns() + to_ns(idle))
-        start = processor_seconds()
+        start = stopwatch_seconds()
         controller.solve(problem)
-        seconds[index] = processor_seconds() - start
+        seconds[index] = stopwatch_seconds() - start
     return seconds
 
 

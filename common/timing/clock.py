@@ -89,7 +89,7 @@ def utc_seconds() -> float:
     return time.time()
 
 
-def processor_seconds() -> float:
+def stopwatch_seconds() -> float:
     """A high-resolution stopwatch reading in s, for reporting how long a computation took."""
     return time.perf_counter()
 

@@ -87,6 +87,6 @@ def _limits(param: Any) -> str:
     return f"up to {_plain(most)}" if least is None else f"{_plain(least)} to {_plain(most)}"
 
 
-def _plain(number: float) -> str:
+def _plain(number: Any) -> str:
     """Without an exponent."""
     return f"{number:.15g}"

@@ -61,14 +61,15 @@ class Happenings:
     def state(self, state: RobotState, now_ns: int) -> Iterator[Happening]:
         """Commands that the robot refused since the state before."""
         refused = sum(state.refused.values())
-        if refused > self._refused:
+        new = refused - self._refused
+        if new > 0:
             why = ", ".join(f"{reason} {count}" for reason, count in state.refused.items())
             yield Happening(
                 "refused",
-                f"the robot refused {refused - self._refused} commands (so far: {why})",
+                f"the robot refused {new} command{'s' if new > 1 else ''} (so far: {why})",
                 now_ns,
                 now_ns,
-                {"commands": str(refused - self._refused)},
+                {"commands": str(new)},
             )
         self._refused = max(self._refused, refused)
 

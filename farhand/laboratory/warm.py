@@ -2,7 +2,7 @@
 
 import sys
 
-from farhand.common.timing.clock import processor_seconds
+from farhand.common.timing.clock import stopwatch_seconds
 from farhand.laboratory.simulation import simulate
 
 SCENARIOS = ("ur5-obstacle", "point-obstacle")
@@ -12,10 +12,10 @@ SCENARIOS = ("ur5-obstacle", "point-obstacle")
 def main() -> int:
     """Begin a task of each kind, with a line of progress before and after; returns the exit code."""
     print("compiling solver and robots (some 80 s when the cache is empty) ...", end=" ", flush=True)
-    start = processor_seconds()
+    start = stopwatch_seconds()
     for scenario in SCENARIOS:
         simulate(scenario, network="none", time_limit=0.5)
-    print(f"done in {processor_seconds() - start:.1f} s")
+    print(f"done in {stopwatch_seconds() - start:.1f} s")
     return 0
 
 

@@ -31,7 +31,7 @@ from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.recording.records import RunInfo
 from farhand.common.result_file import write_result
-from farhand.common.timing.clock import SystemClock, processor_seconds
+from farhand.common.timing.clock import SystemClock, stopwatch_seconds
 from farhand.common.timing.slot import Slot
 from farhand.common.trust.tls import TlsFolder
 from farhand.common.trust.zenoh_log import tell_refusals
@@ -168,7 +168,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             pictures = _relay(session, report_link, robot, clock)
             closing.callback(pictures.undeclare)
         node = make_operator(
-            scenario, _mirrored(link, report_link, robot), identity, controller, processor_seconds, device
+            scenario, _mirrored(link, report_link, robot), identity, controller, stopwatch_seconds, device
         )
         if node.device.acknowledges_itself:
             kind = scenario.steering.kind

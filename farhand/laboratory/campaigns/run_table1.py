@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedCo
 from farhand.common.process.console import page, whole
 from farhand.common.process.outputs import survive
 from farhand.common.result_file import write_whole
-from farhand.common.timing.clock import processor_seconds
+from farhand.common.timing.clock import stopwatch_seconds
 from farhand.laboratory.campaigns.campaign import run_campaign
 from farhand.laboratory.campaigns.jobs import Job, Row
 from farhand.laboratory.campaigns.pools import Pool
@@ -64,7 +64,7 @@ def run_with_progress(
     before = len(jobs) - len(store.missing(jobs))
     if before:
         console.print(f"going on: {before} of {len(jobs)} runs are there already", highlight=False)
-    began = processor_seconds()
+    began = stopwatch_seconds()
     bar = Progress(
         "running",
         BarColumn(),
@@ -99,7 +99,7 @@ def run_with_progress(
         store.close()
         if store.trouble:
             console.print(store.trouble, style="yellow", markup=False, highlight=False)
-    wall = processor_seconds() - began
+    wall = stopwatch_seconds() - began
     new = [row for row in rows[:] if row.duration is not None]
     run = {
         "workers": pool.workers,
