@@ -71,10 +71,17 @@ class Children:
                     process.kill()
             self.wait_all(PATIENCE)
 
+    def has_said(self, name: str, words: str) -> bool:
+        """Whether a line of a child's log begins with these words, behind the child's name."""
+        return any(line.startswith(f"{name}: {words}") for line in self._lines(name))
+
     def last_words(self, name: str) -> str:
         """The last line of a child's log."""
-        try:
-            lines = (self._folder / f"{name}.log").read_text(errors="replace").strip().splitlines()
-        except OSError:
-            return ""
+        lines = self._lines(name)
         return lines[-1] if lines else ""
+
+    def _lines(self, name: str) -> list[str]:
+        try:
+            return (self._folder / f"{name}.log").read_text(errors="replace").strip().splitlines()
+        except OSError:
+            return []

@@ -16,6 +16,7 @@ from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.devices.sources import SOURCES, check_library
+from farhand.programs.command_line import ConsoleWords
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.report.write import conclude_report
 from farhand.runs.conclude import conclude
@@ -81,8 +82,6 @@ def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, vie
     gone: dict[str, int] = {}
     said = ""
     try:
-        if cast.page:
-            view.note(f"drive at {cast.page}")
         for words in cast.programs:
             children.start(words.COMMAND, words.words())
         elsewhere = f"{called()} watch --connect {cast.report} --robot {robot}"
@@ -90,11 +89,14 @@ def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, vie
         if any(words.COMMAND == STEER for words in cast.programs):
             view.note(f"to see it: {called()} console --connect {cast.report} --robot {robot}")
         reader = ReportReader(cast.report, robot, clock)
-        filmed = True
+        filmed, shut = True, bool(cast.page)
         with view:
             while not gone and not stop_event.wait(0.1):
                 ended = children.ended()
                 gone = {name: code for name, code in ended.items() if name not in BESIDE}
+                if shut and children.has_said(ConsoleWords.COMMAND, ConsoleWords.SAYS):
+                    shut = False
+                    view.note(f"{ConsoleWords.SAYS} {cast.page}")
                 if filmed and CAMERA in ended:
                     filmed = False
                     view.note(f"no camera any more: {children.last_words(CAMERA)}")

@@ -160,6 +160,8 @@ class ConsoleWords(Words):
     """`farhand console`."""
 
     COMMAND: ClassVar[str] = "console"
+    SAYS: ClassVar[str] = "drive at"
+    """What its line begins with once it answers."""
     SPELLED: ClassVar[dict[str, str]] = Words.SPELLED | {"opens": "--open"}
 
     connect: str = ""

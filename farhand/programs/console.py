@@ -4,7 +4,7 @@ import asyncio
 import socket
 import threading
 import webbrowser
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
@@ -25,11 +25,12 @@ from farhand.operator_side.console.picture import Picture
 from farhand.operator_side.console.robot_model import RobotModel
 from farhand.operator_side.console.server import Door, Server, build_of
 from farhand.operator_side.console.web import web_config
+from farhand.programs.command_line import ConsoleWords
 from farhand.programs.live_network import LiveNetwork
 from farhand.programs.sessions import random_session
 from farhand.robot_side.arm.catalogue import ARMS, data_folder
 
-LOOK_EVERY = 0.2
+LOOK_EVERY, START_EVERY = 0.2, 0.01
 LEAST_TOKEN = 8
 BACKLOG = 128
 
@@ -82,27 +83,37 @@ def console_program(options: ConsoleOptions) -> int:
             hosts=frozenset(f"{name}:{port}" for name in names), token=options.token, build=build_of()
         )
         address = f"{'https' if options.tls else 'http'}://{host}:{port}/"
-        teller.say(f"drive at {address}{f'#{options.token}' if options.token else ''}; Ctrl-C ends it")
-        if options.opens:
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-        asyncio.run(_serve(console, door, clock, teller, bound, options.tls, stop_event))
+
+        def answers() -> None:
+            page = f"{address}#{options.token}" if options.token else address
+            teller.say(f"{ConsoleWords.SAYS} {page}; Ctrl-C ends it")
+            if options.opens:
+                threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+
+        def pages() -> Server:
+            return Server(console, door, clock.now_ns, teller.say)
+
+        asyncio.run(_serve(pages, bound, options.tls, stop_event, answers))
     return 0
 
 
 async def _serve(
-    console: Console,
-    door: Door,
-    clock: SystemClock,
-    teller: Teller,
+    make: Callable[[], Server],
     bound: socket.socket,
     tls: str,
     stop_event: threading.Event,
+    answers: Callable[[], None],
 ) -> None:
-    pages = Server(console, door, clock.now_ns, teller.say)
+    """Serve what `make` makes until it is told to end; `answers` is called once pages are answered."""
+    pages = make()
     server = _Unsignalled(web_config(pages.app, tls))
     serving = asyncio.create_task(server.serve(sockets=[bound]))
+    told = False
     while not stop_event.is_set() and not serving.done():
-        await asyncio.wait([serving], timeout=LOOK_EVERY)
+        if server.started and not told:
+            told = True
+            answers()
+        await asyncio.wait([serving], timeout=LOOK_EVERY if told else START_EVERY)
     pages.stopping.set()
     server.should_exit = True
     await serving
