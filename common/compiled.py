@@ -9,13 +9,14 @@ import hashlib
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 NOTICE = "no writable place for compiled code (set NUMBA_CACHE_DIR): it is compiled anew at each start"
 _DIGITS = 16
+_WATCHERS: list[Callable[[], None]] = []
 
 
 class Compiler:
@@ -56,6 +57,7 @@ class Compiler:
         finally:
             settings["CACHE_DIR"] = before
         _spare_a_full_disk(compiled)
+        _tell_of_compiling(compiled)
         _take_literals_as_numbers(compiled)
         return compiled
 
@@ -65,6 +67,31 @@ class Compiler:
             return self(function)
         except ImportError:
             return function
+
+
+@contextmanager
+def when_compiling(begins: Callable[[], None]) -> Iterator[None]:
+    """Have `begins` called before each function that is compiled within, by any thread; not for what is loaded."""
+    _WATCHERS.append(begins)
+    try:
+        yield
+    finally:
+        _WATCHERS.remove(begins)
+
+
+def _tell_of_compiling(compiled: Any) -> None:
+    """What is not found in the cache is compiled."""
+    cache = compiled._cache
+    load = cache.load_overload
+
+    def load_or_tell(signature: Any, context: Any) -> Any:
+        code = load(signature, context)
+        if code is None:
+            for begins in tuple(_WATCHERS):
+                begins()
+        return code
+
+    cache.load_overload = load_or_tell
 
 
 def _spare_a_full_disk(compiled: Any) -> None:

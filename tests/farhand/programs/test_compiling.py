@@ -1,40 +1,44 @@
-"""A controller that takes long to prepare is announced, one that does not is not."""
+"""What is compiled, and takes long, is announced; what is only loaded is not, however long that takes."""
 
 import threading
+from pathlib import Path
 
-from farhand.programs.compiling import LINE, ROBOT_LINE, prepare_aloud, said_aloud
+import pytest
+
+from farhand.common.compiled import Compiler
+from farhand.programs.compiling import LINE, prepare_aloud
+
+pytest.importorskip("numba")
 
 
 class Preparing:
-    """Prepares until it is told on."""
+    """Compiles a function, or loads it, and waits until it is told on."""
 
-    def __init__(self, told: threading.Event | None) -> None:
-        self.told = told
+    def __init__(self, folder: Path, told: threading.Event | None) -> None:
+        self.folder, self.told = folder, told
 
     def prepare(self):
+        kernel = self.folder / "kernel.py"
+        kernel.write_text("def double(x):\n    return 2.0 * x\n")
+        names: dict = {}
+        exec(compile(kernel.read_text(), str(kernel), "exec"), names)
+        assert Compiler(kernel)(names["double"])(1.5) == 3.0
         assert self.told is None or self.told.wait(10.0)
 
 
-def test_only_what_takes_long_is_said():
+def test_only_what_is_compiled_is_said(tmp_path, monkeypatch):
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     said, told = [], threading.Event()
 
     def tell(line):
         said.append(line)
         told.set()
 
-    prepare_aloud(Preparing(None), tell, 60.0)
-    assert said == []
-    prepare_aloud(Preparing(told), tell, 0.0)
+    prepare_aloud(Preparing(tmp_path, told), tell, 0.0)
     assert said == [LINE]
-
-
-def test_a_robot_that_takes_long_is_announced_as_such():
-    said, told = [], threading.Event()
-
-    def tell(line):
-        said.append(line)
-        told.set()
-
-    with said_aloud(ROBOT_LINE, tell, 0.0):
-        assert told.wait(10.0)
-    assert said == [ROBOT_LINE]
+    slow = threading.Event()
+    threading.Timer(0.3, slow.set).start()
+    prepare_aloud(Preparing(tmp_path, slow), tell, 0.0)
+    assert said == [LINE]  # found in the cache
+    prepare_aloud(Preparing(tmp_path / "..", None), tell, 60.0)
+    assert said == [LINE]
