@@ -16,10 +16,10 @@ class Intervention(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         part: of the robot: a link's name, or `tool`.
         obstacle: its id; for a link that must stay off another link, that one's name; empty: not told.
         distance: between the two now (m).
-        limit: what the guard keeps between them (m).
+        limit: that nothing may come nearer than, `guard.d_min` (m); the guard keeps 2 to 3 mm more.
         asked, done: speed of the tool that was asked for, and that it lets through (m/s).
-        what: `slowed`: less speed; `turned`: another direction; `evading`: away from what moves, faster than asked or
-            unasked; `braking`: nothing that was asked could be done in time to stop.
+        what: `slowed`: less speed; `turned`: another direction, by much or with hardly less speed; `evading`: away from
+            what moves, faster than asked or unasked; `braking`: nothing that was asked could be done in time to stop.
     """
 
     part: Name
@@ -32,7 +32,7 @@ class Intervention(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 TURNED = 0.9
-"""Cosine between asked and done under which the direction is another."""
+"""Cosine between asked and done under which the direction is another, whatever the speed."""
 SLOW = 1e-3
 """m/s: a difference under this is none that anybody sees."""
 
@@ -56,6 +56,6 @@ def deed(asked: tuple[float, float, float], done: tuple[float, float, float], *,
     if after < SLOW:
         return "slowed"
     along = (ax * dx + ay * dy + az * dz) / (before * after) if before > 0.0 else 0.0
-    if along >= TURNED:
+    if along >= TURNED and before - after >= SLOW:
         return "slowed"
     return "evading" if moves and along < 0.0 else "turned"

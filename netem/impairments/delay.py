@@ -24,13 +24,18 @@ class DelayWord(Word, frozen=True):
     kind: ClassVar[str] = "delay"
     stage: ClassVar[Stage] = Stage.DELAY
 
+    @property
+    def cause(self) -> str:
+        """Of what it loses, for the counters: the word, as it was asked for."""
+        return self.name
+
     def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The source of delays."""
         raise NotImplementedError
 
     def build(self, context: ImpairmentContext) -> Impairment:
         """The impairment that delays each message by a draw of `sampler`."""
-        return Delay(self.sampler(context))
+        return Delay(self.sampler(context), self.cause)
 
 
 class Delay(Impairment):
@@ -38,17 +43,18 @@ class Delay(Impairment):
 
     Args:
         sampler: where the delays come from.
+        cause: of the loss of those for which there is none.
     """
 
-    def __init__(self, sampler: DelaySampler) -> None:
-        self._sampler = sampler
+    def __init__(self, sampler: DelaySampler, cause: str) -> None:
+        self._sampler, self._cause = sampler, cause
         self.below_zero = 0
 
     def apply(self, transit: Transit) -> None:
         """Draw, and release that much later."""
         delay = self._sampler.draw(transit.arrived_ns)
         if delay is None:
-            transit.cause = transit.cause or "trace"
+            transit.cause = transit.cause or self._cause
             return
         if delay < 0:
             self.below_zero += 1

@@ -33,6 +33,11 @@ class ProfileWord(DelayWord, frozen=True):
         """Canonical word."""
         return self.profile
 
+    @property
+    def cause(self) -> str:
+        """The profile, which loses by its model."""
+        return self.profile
+
     def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The profile's model."""
         return _sampler(PROFILES[self.profile], context)

@@ -24,8 +24,8 @@ class FlowCounts(msgspec.Struct, frozen=True, kw_only=True):
         duplicated: copies made.
         delivered: messages and copies that left.
         queued: that wait.
-        dropped: by cause: loss, outage, queue (of the rate), trace, tcp-like, memory, superseded (of a
-            camera's pictures that wait for the rate, by a newer one).
+        dropped: by cause: loss, outage, queue (of the rate), trace, model or a profile's name (of a delay word that
+            loses too), tcp-like, memory, superseded (of a camera's pictures that wait for the rate, by a newer one).
         corrupted: delivered with a flipped bit.
         reordered: delivered after one that came later.
         retransmitted: times a message was sent again.

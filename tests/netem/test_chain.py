@@ -237,3 +237,9 @@ def test_stalls_of_a_profile_come_to_all_keys_at_once():
             lost[key].append(bool(offer(chain, time_ms, key)[0].cause))
     assert len({tuple(values) for values in lost.values()}) == 1
     assert 0.19 < sum(lost[keys[0]]) / 3000 < 0.21
+
+
+@pytest.mark.parametrize("profile", ["bursty-loss-20", "outages", "5g-urban"])
+def test_what_a_named_network_loses_is_counted_under_its_name(profile):
+    """There is no trace, whatever its model is made of."""
+    assert {t[0].cause for t in run(profile, range(0, 20_000, 50))} == {"", profile}

@@ -122,6 +122,7 @@ class ArmGuard:
 
     def __init__(self, arm: ArmModel, settings: GuardSettings, lag: float, dt: float) -> None:
         par = np.zeros(moving.PARAMETERS)
+        self._limit = settings.d_min
         par[moving.KEEP] = settings.d_min + SPARE_OF_ROWS
         par[moving.CHECK] = settings.d_min + SPARE_OF_CHECK
         par[moving.DT], par[moving.REACTION] = dt, dt + LAG_DOUBT * lag
@@ -220,7 +221,7 @@ class ArmGuard:
             part=parts[int(report[kernel.PART])],
             obstacle=name,
             distance=float(report[kernel.DISTANCE]),
-            limit=float(self._par[moving.KEEP]),
+            limit=self._limit,
             asked=norm(asked),
             done=norm(done),
             what=said,

@@ -59,7 +59,7 @@ class ToolGuard:
         par[LAG_LOW], par[LAG_HIGH] = (1.0 - DOUBT) * lag, max((1.0 + DOUBT) * lag, 2.0 * dt)
         par[LIMIT] = (1.0 - DOUBT) * settings.acceleration
         self._par = par
-        self._limit = settings.d_min + SPARE
+        self._limit = settings.d_min
         self._given, self._write = np.zeros(9), Struct("9d").pack_into
         self._u, self._facts = np.zeros(3), np.zeros(3)
         self.did: Intervention | None = None
