@@ -1,11 +1,21 @@
 """From nested tables to typed settings, with messages that name the key."""
 
 import math
+import re
 from typing import Any
+
+_TYPES = {
+    "float": "a number",
+    "int": "a whole number",
+    "str": "text",
+    "bool": "true or false",
+    "array": "a list",
+    "object": "a table",
+}
 
 
 def name_key(text: str, within: str = "") -> str:
-    """msgspec's message with the key in front: `robot.radius: expected float >= 0`.
+    """msgspec's message with the key in front: `robot.radius: expected a number >= 0.0`.
 
     Args:
         text: of the error.
@@ -13,10 +23,19 @@ def name_key(text: str, within: str = "") -> str:
     """
     text = " ".join(text.splitlines())  # a key that nobody knows may hold anything
     message, separator, path = text.partition(" - at `$")
-    message = message[:1].lower() + message[1:]
+    message = _in_words(message[:1].lower() + message[1:])
     key = path.rstrip("`").lstrip(".") if separator else ""
     place = ".".join(part for part in (within, key) if part)
     return f"{place}: {message}" if place else message
+
+
+def _in_words(message: str) -> str:
+    """The same without the names of Python's types."""
+    message = message.removeprefix("object contains ")
+    if not message.startswith("expected "):
+        return message
+    message = message.replace(" | null", "")
+    return re.sub(r"`(\w+)`", lambda found: _TYPES.get(found.group(1), found.group(0)), message)
 
 
 def non_finite_key(value: Any, path: str = "") -> str:

@@ -6,8 +6,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from farhand.common.errors import ScenarioError
-from farhand.common.scenario.known_keys import there_are
-from farhand.common.scenario.reader import name_key
+from farhand.common.scenario.known_keys import explained
 
 Fraction = Annotated[float, Meta(gt=0, le=1)]
 Rate = Annotated[float, Meta(gt=0, le=10_000)]
@@ -53,4 +52,4 @@ def checked_settings(table: dict[str, Any], kind: Any, where: str) -> Any:
     try:
         return msgspec.convert(table, settings)
     except msgspec.ValidationError as error:
-        raise ScenarioError(f"{name_key(str(error), where)}{there_are(str(error), settings)}") from None
+        raise ScenarioError(explained(str(error), settings, where)) from None

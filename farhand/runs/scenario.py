@@ -14,8 +14,8 @@ import msgspec
 
 from farhand.common.errors import InputError, ScenarioError
 from farhand.common.kinds import Kinds
-from farhand.common.scenario.known_keys import nearest_first, there_are
-from farhand.common.scenario.reader import name_key, non_finite_key, without_nulls
+from farhand.common.scenario.known_keys import explained, nearest_first
+from farhand.common.scenario.reader import non_finite_key, without_nulls
 from farhand.common.scenario.section import KindSection, checked_settings
 from farhand.common.scenario.task import Task
 from farhand.common.shapes.distance import distance_to
@@ -119,12 +119,20 @@ def scenario_from_table(table: dict[str, Any], where: str, folder: Path = Path()
         _check_kinds(scenario)
         check_shapes(scenario.obstacles)
     except msgspec.ValidationError as error:
-        hint = _hint(str(error)) or there_are(str(error), Scenario)
-        raise ScenarioError(f"scenario {where}: {name_key(str(error))}{hint}") from None
+        said = explained(str(error), Scenario, hint=_hint(str(error)))
+        raise ScenarioError(_told(where, said)) from None
     except InputError as error:
-        raise ScenarioError(f"scenario {where}: {error}") from None
+        raise ScenarioError(_told(where, str(error))) from None
     _check_sense(scenario, where)
     return scenario
+
+
+def _told(where: str, said: str) -> str:
+    """One line that names the key once: where one setting alone is replaced, it is in `where` already."""
+    setting, place = where.removeprefix("setting "), said.partition(": ")[0]
+    if setting != where and "," not in setting and f"{setting}.".startswith(f"{place}."):
+        said = said.removeprefix(f"{place}: ")
+    return f"scenario {where}: {said}"
 
 
 def scenario_to_table(scenario: Scenario) -> dict[str, Any]:

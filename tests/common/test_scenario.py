@@ -112,11 +112,11 @@ def test_errors_name_the_key_and_are_one_line(old, new, key):
         ("controller.p_omega", 10**400, "controller.p_omega"),
         ("margin.kind", "wide", "margin.kind"),
         ("margin.rtt_span", 0, "margin.rtt_span"),
-        ("steering.tester.far", 0.1, "steering.tester: far, 0.1 m, must be larger than near"),
-        ("steering.tester.speed", 0.1, "steering.tester: object contains unknown field `speed`"),
+        ("steering.tester.far", 0.1, "steering.tester.far: far, 0.1 m, must be larger than near"),
+        ("steering.tester.speed", 0.1, "setting steering.tester.speed: unknown field `speed`"),
         ("steering.mouse.far", 0.1, "steering.mouse"),
         ("margin.floor", 0.1, "are in its table: margin.adaptive.floor"),
-        ("margin.paper.k_sigma", -1.0, "margin.paper.k_sigma: expected `float` >= 0"),
+        ("margin.paper.k_sigma", -1.0, "setting margin.paper.k_sigma: expected a number >= 0"),
         ("margin.own", 3, "margin.own"),
         ("margin.own.paper", 3, "margin"),
         ("robot.kind", "ur7", "robot.kind 'ur7': no such robot"),
@@ -213,16 +213,19 @@ def test_an_obstacle_that_moves_may_be_where_a_target_is():
 @pytest.mark.parametrize(
     ("key", "said"),
     [
-        ("controller.gama", "controller: object contains unknown field `gama`; there are gamma, "),
-        ("controler.gamma", "unknown field `controler`; there are controller, "),
-        ("gamma", "unknown field `gamma`; is controller.gamma meant?; there are "),
-        ("safety.lease_time", "unknown field `lease_time`; there are lease_timeout, "),
+        (
+            "controller.gama",
+            "setting controller.gama: unknown field `gama`; is gamma meant? there are angular_limit, d_min, ",
+        ),
+        ("controler.gamma", "unknown field `controler`; is controller meant? there are camera, "),
+        ("gamma", "unknown field `gamma`; is controller.gamma meant? there are "),
+        ("safety.lease_time", "unknown field `lease_time`; is lease_timeout meant? there are "),
         (
             "steering.tester.far_sped",
-            "steering.tester: object contains unknown field `far_sped`; there are far_speed, ",
+            "setting steering.tester.far_sped: unknown field `far_sped`; is far_speed meant? there are ",
         ),
         ("name.first", "'name' is no section; there are "),
-        ("network.up", "unknown field `up`; there are uplink, downlink"),
+        ("network.up", "unknown field `up`; there are downlink, uplink"),
     ],
 )
 def test_an_unknown_key_is_answered_by_those_there_are_the_nearest_first(key, said):
@@ -232,6 +235,26 @@ def test_an_unknown_key_is_answered_by_those_there_are_the_nearest_first(key, sa
     assert "own" not in str(found.value).split("there are")[1].replace(",", "").split()
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("robot.lag", "300ms", "scenario setting robot.lag: expected a number (s), got text"),
+        ("robot.radius", -1, "scenario setting robot.radius: expected a number (m) >= 0.0"),
+        ("robot.rate_hz", "fast", "scenario setting robot.rate_hz: expected a number (Hz), got text"),
+        (
+            "margin.adaptive.floor",
+            "x",
+            "scenario setting margin.adaptive.floor: expected a number (m), got text",
+        ),
+        ("controller.horizon", "x", "scenario setting controller.horizon: expected a whole number, got text"),
+    ],
+)
+def test_a_useless_value_is_told_once_with_the_unit_of_what_would_do(key, value, said):
+    with pytest.raises(ScenarioError) as found:
+        replace_setting(load_scenario("point-obstacle"), key, value)
+    assert str(found.value) == said
+
+
 def test_an_unknown_key_of_an_obstacle_too():
-    with pytest.raises(ScenarioError, match=r"obstacles\[0\]: .*`radus`; there are radius, "):
+    with pytest.raises(ScenarioError, match=r"obstacles\[0\]: .*`radus`; is radius meant\? there are "):
         parse_scenario(GOOD.replace("radius = 0.1", "radius = 0.1\nradus = 1"), "x")

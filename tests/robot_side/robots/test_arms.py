@@ -178,7 +178,7 @@ TASK = 'name = "x"\nstart = [0.4, 0.0, 0.4]\ntargets = [[0.4, 0.0, 0.4]]\n[robot
         ('model = "panda"\nsrdf = "a.srdf"', "srdf: goes with urdf; the Panda's is known"),
         ('model = "panda"\njoints = [0, 0, 0, 0, 0, 0]', "joints: the Panda has 7 joints, not 6"),
         ('model = "panda"\nhome = [0]', "home: the Panda has 7 joints, not 1"),
-        ('model = "panda"\n[robot.tool]\nradius = 0', "robot.tool.radius: expected `float` > 0"),
+        ('model = "panda"\n[robot.tool]\nradius = 0', "robot.tool.radius: expected a number (m) > 0"),
         (
             'model = "panda"\n[robot.tool]\nend = [0, 0, 1]',
             "robot.tool: object missing required field `radius`",
@@ -223,7 +223,7 @@ def test_files_that_do_not_fit_each_other(files, tmp_path):
     with pytest.raises(ScenarioError, match=r"link 'lnik1': no such link; nearest are link"):
         chosen_arm(wrong)
     capsules.write_text("capsules = []\n")
-    with pytest.raises(ScenarioError, match=r"other.toml: capsules: expected `array` of length >= 1"):
+    with pytest.raises(ScenarioError, match=r"other.toml: capsules: expected a list of length >= 1"):
         chosen_arm(wrong)
 
 
