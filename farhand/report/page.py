@@ -73,7 +73,10 @@ class Page:
 
     def _guard(self) -> str:
         lines = [tables.guard_line(each) for each in self._runs]
-        return self._panels(lambda k: f'<p class="said">guard: {escape(lines[k])}</p>' if lines[k] else "")
+        names = [f" of {each.name}" if len(self._runs) > 1 else "" for each in self._runs]
+        return self._panels(
+            lambda k: f'<p class="said">guard{escape(names[k])}: {escape(lines[k])}</p>' if lines[k] else ""
+        )
 
     def _space(self) -> str:
         spaces = [space.space_of(each.story) for each in self._runs]

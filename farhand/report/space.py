@@ -103,7 +103,7 @@ def seen(space: Space, axes: tuple[int, int], corners: Array, name: str) -> str:
         return (places[:, 0] - low_a) * scale, height - (places[:, 1] - low_b) * scale
 
     out = [
-        f'<svg class="view" viewBox="-34 -6 {width + 44:.0f} {height + 40:.0f}" role="img" '
+        f'<svg class="view" viewBox="-34 -18 {width + 44:.0f} {height + 52:.0f}" role="img" '
         f'aria-label="path of the tool, {escape(name)}">'
     ]
     out.append(f'<svg x="0" y="0" width="{width:.0f}" height="{height:.0f}">')
@@ -189,9 +189,6 @@ def _edge(each: Obstacle, axes: tuple[int, int]) -> Array | None:
 def _places(space: Space, axes: tuple[int, int], points: Any) -> list[str]:
     a, b = axes
     out = []
-    if len(space.path):
-        x, y = points(space.path[:1, [a, b]])
-        out.append(f'<rect class="start" x="{x[0] - 4:.1f}" y="{y[0] - 4:.1f}" width="8" height="8"/>')
     numbers: dict[tuple[str, str], list[str]] = {}
     for number, target in enumerate(space.targets, 1):
         x, y = points(np.array([[target[a], target[b]]]))
@@ -200,6 +197,9 @@ def _places(space: Space, axes: tuple[int, int], points: Any) -> list[str]:
         out.append(f'<circle class="target" cx="{px}" cy="{py}" r="5"/>')
         label = ", ".join(who[:3]) + (" …" if len(who) > 3 else "")
         out.append(f'<text class="tick" x="{float(px) + 8:.1f}" y="{float(py) - 6:.1f}">{label}</text>')
+    if len(space.path):  # around what may lie there
+        x, y = points(space.path[:1, [a, b]])
+        out.append(f'<rect class="start" x="{x[0] - 7:.1f}" y="{y[0] - 7:.1f}" width="14" height="14"/>')
     if space.nearest is not None:
         x, y = points(space.path[[space.nearest]][:, [a, b]])
         out.append(f'<circle class="nearest" cx="{x[0]:.1f}" cy="{y[0]:.1f}" r="8"/>')
@@ -221,7 +221,7 @@ def _scale(corners: Array, scale: float, height: float, names: tuple[str, str]) 
     out.append(
         f'<text class="unit" x="{middle:.0f}" y="{height + 30:.0f}" text-anchor="middle">{names[0]} (m)</text>'
     )
-    out.append(f'<text class="unit" x="-30" y="6">{names[1]}</text>')
+    out.append(f'<text class="unit" x="-30" y="-8">{names[1]} (m)</text>')
     return out
 
 

@@ -91,6 +91,13 @@ document.querySelectorAll("canvas.turning").forEach((canvas) => {
     line(scene.path, look("--tool"), 2);
     for (const p of scene.near) dot(p, 2.5, look("--stop"), true);
     for (const p of scene.targets) dot(p, 5, look("--good"), true);
+    const first = scene.path.find((p) => p !== null);
+    if (first) {
+      const [x, y] = place(first);
+      pen.strokeStyle = look("--tool");
+      pen.lineWidth = 2;
+      pen.strokeRect(x - 7, y - 7, 14, 14);
+    }
     if (scene.nearest) dot(scene.nearest, 7, look("--stop"), false);
   }
 

@@ -31,6 +31,14 @@ AXES = "xyz"
 
 GUARD_BAR = 0.05  # of the axes' height
 SILENCE = {"color": GREY, "alpha": 0.25, "lw": 0}
+ABOVE: dict[str, Any] = {
+    "loc": "lower right",
+    "bbox_to_anchor": (1.0, 1.0),
+    "borderaxespad": 0.0,
+    "frameon": False,
+    "ncols": 3,
+}
+"""A legend over its axes, where no curve is."""
 STOP = {"color": RED, "lw": 0.9, "ls": "-."}
 
 Trajectory = Sequence[Sequence[float]]
@@ -65,7 +73,7 @@ def draw_run(
     path = np.asarray(trajectory, dtype=float).reshape(-1, 5)
     began = motion_start(trajectory)
     with plt.rc_context(STYLE):
-        figure = plt.figure(figsize=(WIDTH, 3.3), layout="constrained")
+        figure = plt.figure(figsize=(WIDTH, 3.5), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
         _draw_path(figure.add_subplot(grid[:, 0]), scenario, summary, path, series)
         above = figure.add_subplot(grid[0, 1])
@@ -148,15 +156,16 @@ def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, 
         axes.plot(x, np.where(too_near, y, np.nan), color=RED, lw=3.0, label="too near")
         worst = int(np.argmin(path[:, 4]))
         axes.plot(x[worst], y[worst], "o", ms=11, mfc="none", mec=RED, mew=1.2)
-    axes.plot(scenario.start[a], scenario.start[b], "s", color=BLUE, ms=5, label="start")
+    axes.plot(scenario.start[a], scenario.start[b], "s", mfc="none", mec=BLUE, ms=11, mew=1.2, label="start")
     numbers: dict[tuple[float, float], list[str]] = {}
     for number, target in enumerate(scenario.targets, 1):
         numbers.setdefault((target[a], target[b]), []).append(str(number))
     for place, known in numbers.items():
         axes.plot(*place, "*", color=GREEN, ms=9, label="targets" if known[0] == "1" else None)
-        axes.annotate(", ".join(known), place, xytext=(4, 4), textcoords="offset points")
+        axes.annotate(", ".join(known), place, xytext=(7, 5), textcoords="offset points")
     _mark_stops(axes, summary, path, (a, b))
     axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.07)
     axes.autoscale_view()
     axes.set_xlabel(f"${AXES[a]}$ (m)")
     axes.set_ylabel(f"${AXES[b]}$ (m)")
@@ -226,9 +235,10 @@ def _draw_clearance(axes: Any, summary: RunSummary, path: Array, began: float) -
             textcoords="offset points",
             ha="left" if t[worst] < 0.5 * t[-1] else "right",
             color=RED,
+            bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.0},  # the curve may pass behind it
             arrowprops={"arrowstyle": "->", "color": RED, "lw": 0.8},
         )
-    axes.legend(frameon=False, loc="upper right")
+    axes.legend(**ABOVE)
 
 
 def _mark_guard(axes: Any, guarding: Sequence[Span]) -> None:
@@ -237,7 +247,7 @@ def _mark_guard(axes: Any, guarding: Sequence[Span]) -> None:
         label = "guard" if number == 0 else None
         axes.axvspan(max(0.0, begin), max(0.05, end), ymax=GUARD_BAR, color=GREEN, lw=0, label=label)
     if guarding:
-        axes.legend(frameon=False, loc="upper right")
+        axes.legend(**ABOVE)
 
 
 def _draw_round_trip(axes: Any, series: Series, silences: Sequence[Span]) -> None:
@@ -269,6 +279,6 @@ def _mark_interruptions(above: Any, below: Any, summary: RunSummary, silences: S
         up, down = (sum(way.dropped.values()) for way in (netem.uplink, netem.downlink))
         if up or down:
             note = f"lost: {up} up, {down} down"
-            below.text(0.02, 0.04, note, transform=below.transAxes, fontsize=6.5, color=GREY)
+            below.text(0.0, 1.03, note, transform=below.transAxes, va="bottom", fontsize=6.5, color=GREY)
     if silences or stops:  # a hold has no mark of its own
-        below.legend(frameon=False, loc="upper right", ncols=2)
+        below.legend(**ABOVE)

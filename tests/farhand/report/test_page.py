@@ -123,3 +123,11 @@ def test_a_line_is_broken_where_something_is_missing_and_nowhere_else():
     )
     begins = [re.search(r'class="line0" d="([^"]*)"', each).group(1).count("M") for each in (whole, broken)]
     assert begins == [1, 2]
+
+
+def test_of_two_runs_each_word_of_the_guard_names_its_run(folder):
+    one = read_evidence(folder)
+    assert ">guard: " in Page([one]).html()
+    both = Page([one, one]).html()
+    assert both.count(f">guard of {one.name}: ") == 2
+    assert ">guard: " not in both

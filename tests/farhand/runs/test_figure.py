@@ -1,12 +1,14 @@
 """The figure tells the truth: broken lines, marked stops, no ring that swallows the path, violations that are seen."""
 
 import matplotlib as mpl
+import msgspec
 import numpy as np
 import pytest
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
+from farhand.netem.measure.result import DirectionCounts, NetemCounts
 from farhand.robot_side.result import RobotResult
 from farhand.runs import figure
 from farhand.runs.results import RunResults
@@ -84,3 +86,18 @@ def test_a_violation_of_a_millimetre_is_marked_and_named(axes):
     figure._draw_path(plane, POINT, found, path, [])
     assert "too near" in [line.get_label() for line in plane.lines]
     plt.close(made)
+
+
+def test_neither_legend_nor_note_lies_on_a_curve(axes):
+    """They stand over the axes, in which every curve is."""
+    lost = NetemCounts(uplink=DirectionCounts(dropped={"loss": 2}), downlink=DirectionCounts())
+    found = summary()
+    found = msgspec.structs.replace(found, counts=msgspec.structs.replace(found.counts, netem=lost))
+    path = np.array([(0.1 * k, 0.0, 0.0, 0.0, 0.5) for k in range(20)])
+    figure._draw_clearance(axes, found, path, 0.0)
+    figure._mark_interruptions(axes, axes, found, [(0.5, 1.0)])
+    axes.figure.canvas.draw()
+    top = axes.bbox.y1
+    assert axes.get_legend().get_window_extent().y0 >= top - 1.0
+    (note,) = [text for text in axes.texts if text.get_text().startswith("lost")]
+    assert note.get_window_extent().y0 >= top
