@@ -85,7 +85,7 @@ AT = "position = [0.5, 0.5, -9.0]\n"
         ('shape = { kind = "mesh", file = "a.stl", size = 2 }', "a mesh from a file has no key `size`"),
         ('shape = { kind = "mesh", file = "a.stl", scale = 0 }', "obstacles[0].shape.scale: expected a number above 0"),
         ('shape = { kind = "mesh" }', "obstacles[0].shape: object missing required field `vertices`"),
-        ('shape = { kind = "sphere", radius = 0 }', "obstacles[0].shape.radius: expected a number > 0.0"),
+        ('shape = { kind = "sphere", radius = 0 }', "obstacles[0].shape.radius: expected a number (m) > 0.0"),
         ('shape = { kind = "box", half_extents = [1, 0, 1] }', "obstacles[0].shape.half_extents[1]"),
         ('shape = { kind = "cone" }', "obstacles[0].shape.kind"),
         ('shape = { kind = "plane" }\nnormal = [0, 0, 0]', "obstacles[0].normal: has no direction"),
