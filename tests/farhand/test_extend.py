@@ -93,7 +93,7 @@ def test_an_own_kind_is_recorded_with_its_settings_and_replays(extended, tmp_pat
         ),
         (
             ["--margin", "steady", "--set", "margin.steady.mm=3"],
-            "margin.steady.mm: unknown field `mm`",
+            "margin.steady: unknown field `mm`",
         ),
         (
             ["--set", "robot.kind=cart", "--set", "robot.cart.wheels=4"],
