@@ -131,6 +131,7 @@ class RobotNode:
             mode=watchdog.mode,
             reason=watchdog.reason,
             longest_silence=statistics.longest_silence,
+            began=self._began(),
             interruptions=self._interruptions_so_far(),
             nearest_obstacle=self._nearest_obstacle(),
             nearest_part=self._nearest_part[0],
@@ -157,6 +158,10 @@ class RobotNode:
             return ""
         position, at_ns = nearest
         return nearest_obstacle(self._field.at(at_ns), position)[1]
+
+    def _began(self) -> float | None:
+        first_ns, start_ns = self.watchdog.first_run_ns, self._statistics.start_ns
+        return (first_ns - start_ns) * 1e-9 if first_ns is not None and start_ns is not None else None
 
     def _interruptions_so_far(self) -> list[tuple[float, SafetyMode, str]]:
         """Holds for want of commands, and stops."""

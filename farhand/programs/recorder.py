@@ -14,6 +14,7 @@ from farhand.common.messages.keys import check_robot_name
 from farhand.common.process.outputs import check_writable, make_folder
 from farhand.common.process.security import local_only
 from farhand.common.process.signals import say, stop_event_on_signals
+from farhand.common.recording.batch import TickBatch
 from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import SystemClock, local_timestamp, to_ns
 from farhand.foxglove.view import views_of
@@ -99,11 +100,7 @@ def follow(
             told_ns = now_ns
         if batch is not None:
             _say(silence.broken(now_ns))
-            if recording.file is None:
-                say("record", f"records run {batch.info.scenario.get('name', '')!r}")
-            recording.take(batch)
-            recording.take_frames(camera.frames())
-            recording.take_all_fates(sources)
+            _take(recording, batch, sources, camera)
             if recording.done:
                 return (
                     ""
@@ -123,6 +120,14 @@ def follow(
         if told_ns is not None and now_ns - told_ns > REST_NS:
             return ""
         (stop_event if told_ns is None else pause).wait(ASK_EVERY if told_ns is None else REST_EVERY)
+
+
+def _take(recording: FollowedRun, batch: TickBatch, sources: Sources, camera: CameraTap) -> None:
+    if recording.file is None:
+        say("record", f"records run {batch.info.scenario.get('name', '')!r}")
+    recording.take(batch)
+    recording.take_frames(camera.frames())
+    recording.take_all_fates(sources)
 
 
 def _say(line: str) -> None:

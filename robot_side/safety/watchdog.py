@@ -56,6 +56,7 @@ class Watchdog:
         stops: entries into a latched stop.
         holds: times that RUN became HOLD because commands stayed away.
         changes: the last mode changes.
+        first_run_ns: when it first ran; None: it never did.
         applied_session, applied_seq, applied_ns: the command now applied, and since when (robot clock).
     """
 
@@ -77,6 +78,7 @@ class Watchdog:
         self.stops = 0
         self.holds = 0
         self.changes: deque[ModeChange] = deque(maxlen=REMEMBERED_CHANGES)
+        self.first_run_ns: int | None = None
         self.applied_session = 0
         self.applied_seq = 0
         self.applied_ns = 0
@@ -249,6 +251,8 @@ class Watchdog:
             return
         self.mode, self.reason = mode, reason
         self.changes.append(ModeChange(now_ns, mode, reason))
+        if mode == "run" and self.first_run_ns is None:
+            self.first_run_ns = now_ns
 
 
 def _outside(command: VelocityCommand) -> str:
