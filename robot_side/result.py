@@ -49,6 +49,7 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
         guard_seconds: for how long it did something (s).
         guard_deeds: the same by what it did: slowed, turned, evading, braking (s).
         lateness: of the loop; None in virtual time.
+        began: when it first followed a motion command (s since the first tick); None: it never did.
     """
 
     min_clearance: float | None
@@ -67,6 +68,7 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
     guard_seconds: float = 0.0
     guard_deeds: dict[str, float] = msgspec.field(default_factory=dict)
     lateness: Lateness | None = None
+    began: float | None = None
 
 
 class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", tag="robot"):
@@ -77,7 +79,6 @@ class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", t
         position: of the tool at the end (m).
         mode, reason: of the watchdog at the end.
         changes: (instant, mode, reason) of the watchdog's changes; ns, robot's clock.
-        began: when it first followed a command to move (s since the first tick); None: it never did.
         interruptions: (t, mode, reason) of holds for want of commands and of stops; s since the first tick.
         nearest_obstacle: to which the tool's sphere came nearest; empty without obstacles.
         nearest_part, nearest_to_arm: the part of the arm that came nearest to an obstacle, and that obstacle;
@@ -92,7 +93,6 @@ class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", t
     mode: SafetyMode = "hold"
     reason: str = ""
     changes: list[tuple[int, SafetyMode, str]] = msgspec.field(default_factory=list)
-    began: float | None = None
     interruptions: list[tuple[float, SafetyMode, str]] = msgspec.field(default_factory=list)
     nearest_obstacle: str = ""
     nearest_part: str = ""

@@ -100,7 +100,11 @@ def _clearance(summary: RunSummary) -> str:
         return NO_ROBOT
     if summary.min_clearance is None:
         robot = summary.counts.robot
-        return "no obstacle in the scene" if robot is not None and robot.ticks else "unknown: the robot never ran"
+        return (
+            "no obstacle in the scene"
+            if robot is not None and robot.ticks
+            else "unknown: the robot never ran"
+        )
     whose = f"of the tool's safety sphere (radius {summary.radius * 1e3:g} mm)"
     to = f" to {summary.nearest_obstacle!r}" if summary.nearest_obstacle else ""
     return f"{summary.min_clearance * 1e3:.1f} mm least (limit {summary.d_min * 1e3:g} mm), {whose}{to}"
@@ -112,7 +116,7 @@ def _targets(summary: RunSummary) -> str:
     reached = f"{summary.targets_reached} of {summary.targets}"
     if not summary.duration:
         return f"{reached}; no motion was ever commanded"
-    return f"{reached} in {summary.duration:.1f} s from the first motion command, 0 s of all times here"
+    return f"{reached} in {summary.duration:.1f} s, counted from the first motion command as all times here"
 
 
 def _round_trip(summary: RunSummary) -> str:
