@@ -56,7 +56,7 @@ class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
             return "is being written"
         if self.safe is None and self.finished is None:
             return "unknown"
-        safe = "safe or not: unknown" if self.safe is None else "safe" if self.safe else "NOT SAFE"
+        safe = "safety unknown" if self.safe is None else "safe" if self.safe else "NOT SAFE"
         return safe if self.finished is None else f"{safe}, {'finished' if self.finished else 'not finished'}"
 
 

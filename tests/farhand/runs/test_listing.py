@@ -82,6 +82,26 @@ def test_it_tells_when_what_how_long_and_how_it_went(runs, summary):
     assert found["run-1"].size == sum(each.stat().st_size for each in (runs / "run-1").iterdir())
 
 
+@pytest.mark.parametrize(
+    ("left", "said"),
+    [
+        ((), "unknown"),
+        (("robot",), "safe"),
+        (("operator",), "safety unknown, not finished"),
+        (("robot", "operator"), "safe, not finished"),
+    ],
+)
+def test_what_a_program_did_not_leave_is_no_result_and_no_length(left, said, runs, summary):
+    counts = msgspec.structs.replace(
+        summary.counts, **{each: None for each in ("robot", "operator") if each not in left}
+    )
+    safe = summary.safe and "robot" in left
+    write_summary(msgspec.structs.replace(summary, counts=counts, safe=safe), runs / "run-1")
+    found = next(each for each in list_runs(runs) if each.path.endswith("run-1"))
+    assert found.result == said
+    assert found.length == pytest.approx(summary.duration if "operator" in left else 1.0)
+
+
 def test_a_summary_of_another_run_is_no_result_of_this_one(runs, summary):
     write_summary(msgspec.structs.replace(summary, scenario="another"), runs / "run-1")
     found = {os.path.basename(each.path): each for each in list_runs(runs)}
