@@ -197,7 +197,7 @@ def _stops(summary: RunSummary) -> str:
     if len(latched) > SHOWN_STOPS:
         told.append(f"and {len(latched) - SHOWN_STOPS} more")
     if summary.stops and summary.acknowledges_itself:
-        told.append("acknowledged by the steering device itself")
+        told.append("the steering device acknowledges stops itself")
     holds = summary.counts.robot.holds if summary.counts.robot is not None else 0
     more = f", {holds} holds for want of commands" if holds else ""
     return f"{summary.stops}{more}" + (f": {'; '.join(told)}" if told else "")

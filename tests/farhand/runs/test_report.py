@@ -50,7 +50,7 @@ def test_losses_silences_and_stops_are_in_the_summary(interrupted):
     assert summary.stops == 1
     (stop,) = [i for i in summary.interruptions if i[1] == "stopped"]
     assert f"at {stop[0]:.1f} s no good command for" in text
-    assert "acknowledged by the steering device itself" in text
+    assert "the steering device acknowledges stops itself" in text
 
 
 def test_the_silence_is_known_to_the_figure(interrupted):
