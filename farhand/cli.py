@@ -13,6 +13,7 @@ from farhand.commands.laboratory import register as register_experiments
 from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
 from farhand.commands.recordings import register as register_recordings
+from farhand.commands.ros2 import register as register_ros2
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
@@ -39,6 +40,7 @@ UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__
 register_runs(app)
 register_recordings(app)
 register_programs(app)
+register_ros2(app)
 register_experiments(app)
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
