@@ -29,6 +29,10 @@ class Desk(Protocol):
         """Clear its stop: whether it has, and words."""
         ...
 
+    def kept(self) -> float | None:
+        """The distance that is kept from obstacles, without the margin (m); None: nobody says."""
+        ...
+
 
 class Bridge:
     """Args:
@@ -48,7 +52,7 @@ class Bridge:
 
     def __init__(self, options: Ros2Options, node: RosNode, link: Link, desk: Desk, clock: SystemClock,
                  session: Callable[[], int], tell: Callable[[str], None]) -> None:  # fmt: skip
-        self.outward = Outward(node, options.robot, clock.epoch_ns())
+        self.outward = Outward(node, options.robot, clock.epoch_ns(), desk.kept)
 
         def say(line: str) -> None:
             tell(line)
@@ -60,7 +64,7 @@ class Bridge:
         pause = self._pause if options.steers else None
         self._services = Services(node, desk.estop, desk.acknowledge, pause, say)
         Parameters(node.types, parameters(options)).serve(node, say)
-        self._say, self._said = say, ""
+        self._say, self._said, self._trouble = say, "", ""
 
     def look(self, now_ns: int) -> None:
         """After each step: say what is new, and let time act on what is drawn."""
@@ -69,6 +73,9 @@ class Bridge:
             self._said = self.outward.steers = self.node.says
             self._say(self._said)
         self.outward.refused = dict(self.refusals.counts)
+        if self.outward.trouble and self.outward.trouble != self._trouble:
+            self._trouble = self.outward.trouble
+            self._say(self._trouble)
 
     def close(self, now_ns: int) -> None:
         """Give the wheel up, and say what waits."""

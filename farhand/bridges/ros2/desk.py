@@ -5,11 +5,14 @@ from collections.abc import Callable
 import msgspec
 import zenoh
 
-from farhand.common.messages.keys import acknowledge_key, estop_key
+from farhand.common.messages.keys import acknowledge_key, estop_key, ticks_key
+from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.site.acknowledge import acknowledge
 from farhand.site.estop import emergency_stop
 
 PATIENCE = 6.0
+NO_TICK = 1 << 62
+"""Ticks from here on are asked for, of which there is none: what is wanted is what comes with them."""
 
 
 class OperatorDesk:
@@ -28,6 +31,20 @@ class OperatorDesk:
     def acknowledge(self) -> tuple[bool, str]:
         """Clear its stop."""
         return self._ask(acknowledge_key(self._robot), "the robot has left its stop")
+
+    def kept(self) -> float | None:
+        """The distance that its controller keeps, without the margin (m); None: it has not said."""
+        wanted = msgspec.json.encode(TicksWanted(since=NO_TICK))
+        try:
+            for reply in self._session.get(ticks_key(self._robot), payload=wanted, timeout=1.0):
+                if reply.ok is not None:
+                    batch = msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=TickBatch)
+                    controller = batch.info.scenario.get("controller")
+                    found = controller.get("d_min") if isinstance(controller, dict) else None
+                    return float(found) if isinstance(found, int | float) else None
+        except (zenoh.ZError, msgspec.MsgspecError):
+            pass
+        return None
 
     def _ask(self, key: str, done: str) -> tuple[bool, str]:
         try:
@@ -61,6 +78,10 @@ class RobotDesk:
     def acknowledge(self) -> tuple[bool, str]:
         """Clear its stop, where nobody holds control."""
         return self._did(acknowledge, "the robot has left its stop")
+
+    def kept(self) -> float | None:
+        """Not known on the robot's side."""
+        return None
 
     def _did(self, what: Callable[..., int], done: str) -> tuple[bool, str]:
         code = what(self._robot, [self._connect], "")

@@ -77,11 +77,15 @@ def parts_of(shape: Shape, grown: float = 0.0) -> list[Part]:
 class Markers:
     """Args:
     ros: makes messages.
-    d_min: distance to keep (m), for the shells around obstacles; what the margin adds comes with the reports.
+
+    Attributes:
+        d_min: distance to keep (m), for the shells around obstacles, to which the reports' margin is added; None: it
+            is not known, and no shell is shown.
     """
 
-    def __init__(self, ros: Ros, d_min: float) -> None:
-        self._ros, self._d_min = ros, d_min
+    def __init__(self, ros: Ros) -> None:
+        self._ros = ros
+        self.d_min: float | None = None
         self._names: set[str] = set()
 
     def standing(self, scene: Scene, grown: float | None, age: float, at_ns: int) -> Any:
@@ -150,8 +154,8 @@ class Markers:
         for each in obstacles:
             for number, part in enumerate(parts_of(each.shape)):
                 yield self._placed(at_ns, f"obstacle {each.id}", number, each, part, OBSTACLE)
-            if grown is not None:
-                for number, part in enumerate(parts_of(each.shape, self._d_min + max(0.0, grown))):
+            if grown is not None and self.d_min is not None:
+                for number, part in enumerate(parts_of(each.shape, self.d_min + max(0.0, grown))):
                     yield self._placed(at_ns, f"margin {each.id}", number, each, part, MARGIN)
 
     def _binding(self, scene: Scene | None, report: ControlReport, age: float, at_ns: int) -> list[Any]:

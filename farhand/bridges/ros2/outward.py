@@ -1,5 +1,7 @@
 """What Farhand says, on ROS topics: joint states at once, whatever takes longer in a thread of its own."""
 
+from collections import Counter
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,7 @@ DRAWN_EVERY_NS = 100_000_000
 AGAIN_NS = 1_000_000_000
 """What stands is told so often, for who comes late; diagnostics too."""
 SCENE_LOST_NS = 1_500_000_000
+ASK_AGAIN_NS = 5_000_000_000
 WAITING = 64
 INFO = 20
 KINDS: dict[str, type[Message]] = {
@@ -47,17 +50,22 @@ class Outward:
     node: publishes.
     robot: the robot's name.
     epoch_ns: see SystemClock.
-    d_min: distance to keep (m).
+    kept: asks the operator's program for the distance to keep (m); may wait a second; None: not answered.
 
     Attributes:
         refused: what the bridge refused so far, by topic and reason; shown in the diagnostics.
         steers: what steers, for people.
+        stands: whether robot_description and the standing frames were told.
+        failed, trouble: what could not be told, and the newest reason.
         lost: what found no place because the thread of its own was too slow.
     """
 
-    def __init__(self, node: RosNode, robot: str, epoch_ns: int, d_min: float = 0.0) -> None:
+    def __init__(
+        self, node: RosNode, robot: str, epoch_ns: int, kept: Callable[[], float | None] = lambda: None
+    ) -> None:
         self.refused: dict[str, int] = {}
-        self.steers = ""
+        self.failed: Counter[str] = Counter()
+        self.steers, self.stands, self.trouble = "", False, ""
         types = node.types
         self._types, self._ros, self._epoch_ns, self._robot = types, Ros(types.types), epoch_ns, robot
         self._joints = node.publisher("joint_states", "sensor_msgs/msg/JointState", RELIABLE)
@@ -76,7 +84,8 @@ class Outward:
         self._state_decoder, self._newest = Decoder(RobotState), Newest()
         self._decoders: dict[str, Decoder[Message]] = {kind: Decoder(of) for kind, of in KINDS.items()}
         self._arm: ArmFrames | None = None
-        self._story = _Story(Markers(self._ros, d_min))
+        self._story = _Story(Markers(self._ros))
+        self._kept, self._asked_ns = kept, -(1 << 62)
         self._moved_ns = self._looked_ns = -(1 << 62)
         self._slow: Handoff[tuple[str, Any, int]] = Handoff(self._work, "ros2-out", WAITING)
 
@@ -95,13 +104,9 @@ class Outward:
         if state is None or not self._newest.accept(state, packet.arrived_ns):
             return
         at_ns = packet.arrived_ns
-        if state.joints:
-            arm = self._arm
-            names = (
-                arm.names(len(state.joints))
-                if arm is not None
-                else [f"joint{i}" for i in range(len(state.joints))]
-            )
+        arm = self._arm  # until the robot has said what its joints are called, nobody else does
+        if state.joints and arm is not None:
+            names = arm.names(len(state.joints))
             self._joints.put(self._ros.joints(at_ns + self._epoch_ns, names, state))
         if at_ns - self._moved_ns >= MOVES_EVERY_NS:
             self._moved_ns = at_ns
@@ -122,8 +127,14 @@ class Outward:
         self._slow.close(1.0)
 
     def _work(self, what: tuple[str, Any, int]) -> None:
-        """In the thread of its own."""
-        kind, found, at_ns = what
+        """In the thread of its own, which nothing that is said may end."""
+        try:
+            self._do(*what)
+        except Exception as error:
+            self.failed[f"{what[0]} not told"] += 1
+            self.trouble = f"a {what[0]} could not be told: {type(error).__name__}: {error}"
+
+    def _do(self, kind: str, found: Any, at_ns: int) -> None:
         if kind == "state":
             self._take_state(found, at_ns)
         elif kind == "look":
@@ -155,7 +166,7 @@ class Outward:
         if self._arm is None:
             return
         if self._story.described and state.joints:
-            self._story.described = False
+            self._story.described, self.stands = False, True
             frames = self._ros.frames(at_ns + self._epoch_ns, self._arm.standing(state))
             self._standing.put(frames)
         self._frames.put(self._ros.frames(at_ns + self._epoch_ns, self._arm.moving(state)))
@@ -169,6 +180,8 @@ class Outward:
 
     def _take_report(self, report: ControlReport, at_ns: int) -> None:
         story = self._story
+        if story.report is None or story.report.session != report.session:
+            story.markers.d_min = None  # another program, with another scenario
         story.report, story.report_ns = report, at_ns
         code, words = servo_status(report, 0.0, story.state)
         self._status.put(self._types.make("moveit_msgs/msg/ServoStatus", code=code, message=words))
@@ -189,6 +202,9 @@ class Outward:
         scene_age_ns = now_ns - story.scene_ns
         scene = story.scene if scene_age_ns <= SCENE_LOST_NS else None
         report = story.report if not unknown(story.report, age) else None
+        if report is not None and story.markers.d_min is None and now_ns - self._asked_ns > ASK_AGAIN_NS:
+            self._asked_ns = now_ns
+            story.markers.d_min = self._kept()
         if scene is not None and now_ns - story.stood_ns >= AGAIN_NS:
             story.stood_ns, story.shown = now_ns, True
             grown = report.inflation if report is not None else None
@@ -210,7 +226,7 @@ class Outward:
     def _diagnose(self, age: float, at_ns: int) -> None:
         make, told = self._types.make, []
         for name, level, words, figures in diagnostics(
-            self._story.report, age, self._story.state, dict(self.refused), self.steers
+            self._story.report, age, self._story.state, self.refused | self.failed, self.steers
         ):
             values = [
                 make(

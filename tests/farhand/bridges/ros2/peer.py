@@ -6,14 +6,17 @@ import threading
 from contextlib import contextmanager
 
 import zenoh
+import zenoh.ext
 from zenoh_ros2_sdk import ROS2Publisher, ROS2ServiceClient, ROS2Subscriber
 from zenoh_ros2_sdk.session import ZenohSession
 
 from farhand.bridges.ros2.definitions import SERVICES
 from farhand.bridges.ros2.types import Types
+from farhand.bridges.ros2.wire import dds_name
 from farhand.common.link.zenoh_link import zenoh_config
 
-PATIENCE = 20.0
+PATIENCE = 60.0
+PLACEHOLDER = "uint8 structure_needs_at_least_one_member\n"
 logging.getLogger("zenoh_ros2_sdk").setLevel(logging.CRITICAL)
 
 
@@ -48,20 +51,35 @@ class Peer:
         self._keep(ROS2Subscriber(topic, kind, found.put, **self._common(kind) | more))
         return found
 
+    def late(self, topic, kind):
+        """A queue of what is latched, as rmw_zenoh asks for it; the SDK does not find a topic of a namespace."""
+        found = queue.Queue()
+        key = f"{self._domain}{topic}/{dds_name(kind)}/{self.types.hash_of(kind)}"
+        self._keep(
+            Undeclared(
+                zenoh.ext.declare_advanced_subscriber(
+                    self.session.session,
+                    key,
+                    lambda sample: found.put(self.types.decode(sample.payload.to_bytes(), kind)),
+                    history=zenoh.ext.HistoryConfig(detect_late_publishers=True),
+                )
+            )
+        )
+        return found
+
     def call(self, service, kind, **fields):
-        request, response = SERVICES[kind]
         common = self._common(kind) | {"timeout": PATIENCE}
         del common["msg_definition"]
         client = self._keep(
             ROS2ServiceClient(
                 service,
                 kind,
-                request_definition=request or "uint8 structure_needs_at_least_one_member",
-                response_definition=response,
+                request_definition=self.types.definition(f"{kind}_Request") or PLACEHOLDER,
+                response_definition=self.types.definition(f"{kind}_Response"),
                 **common,
             )
         )
-        if not request:
+        if not SERVICES[kind][0]:
             fields = {"structure_needs_at_least_one_member": 0}
         return client.call(**fields)
 
@@ -97,6 +115,13 @@ class Peer:
             "router_port": self._port,
             "domain_id": self._domain,
         }
+
+
+class Undeclared:
+    """What is undeclared at the end."""
+
+    def __init__(self, part):
+        self.close = part.undeclare
 
 
 class Stream:

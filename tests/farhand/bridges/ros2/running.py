@@ -1,5 +1,6 @@
 """The bridge in this process: at a real router, and on its other end a test."""
 
+import itertools
 import threading
 from contextlib import contextmanager
 
@@ -33,6 +34,9 @@ class Desk:
         self.asked.append("acknowledge")
         return False, "nothing is stopped"
 
+    def kept(self):
+        return 0.01
+
 
 class Running:
     """Attributes:
@@ -42,11 +46,12 @@ class Running:
 
     def __init__(self, port, options):
         self.clock, self.told, self.steered, self.desk = SystemClock(), [], [], Desk()
-        self.options = options
+        self.numbers = itertools.count(1)
         self._inbox, self._changed, self._decoder = KeyedInbox(), threading.Condition(), Decoder(Steering)
         self._session = open_session(
             [f"tcp/127.0.0.1:{port}"], mode="client", extra=[("timestamping/enabled", True)]
         )
+        self.zid = str(self._session.info.zid())
         self.loop = None
         sessions = iter((11, 12))
         node = RosNode(self._session, Types(options.distro), self.clock, domain=options.domain,
