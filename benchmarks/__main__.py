@@ -18,6 +18,7 @@ NAMES = (
     "virtual_time",
     "seat",
     "report",
+    "ros2",
 )
 
 

@@ -19,7 +19,7 @@ from farhand.netem.envelope import MustArrive
 
 EVERYTHING = "**"
 ROS_GRAPH, ROS_SERVICE = "@ros2_lv/**", "::srv::dds_::"
-ROS_SERVICES = f"**/$*{ROS_SERVICE}$*/$*"
+ROS_SERVICES = f"**/$*{ROS_SERVICE}$*/*"
 """Requests of ROS go to complete queryables alone; a service that is not beyond the emulator answers as little."""
 ADVANCED = "**/@adv/**"
 """Parts that begin with @ are never matched by `**`: the graph of ROS 2, and Zenoh's caches for who comes late."""

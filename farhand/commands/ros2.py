@@ -1,5 +1,6 @@
 """The command `farhand ros2`. Heavy modules are imported only where they are used."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,6 +14,12 @@ def register(app: typer.Typer) -> None:
 
 
 def ros2(
+    run: Annotated[
+        Path | None,
+        typer.Argument(
+            help="A recording, or its folder, told again with /clock (default: a running operator)."
+        ),
+    ] = None,
     router: Annotated[
         str, typer.Option(metavar="ENDPOINT", help="Zenoh router of the ROS 2 graph (rmw_zenohd).")
     ] = "tcp/127.0.0.1:7447",
@@ -47,12 +54,13 @@ def ros2(
         list[str] | None,
         typer.Option(metavar="KEY=VALUE", help="What an axis or button does, e.g. --joy deadman=button4."),
     ] = None,
+    speed: Annotated[float, typer.Option(min=0.1, max=100.0, help="Of a recording, times as fast.")] = 1.0,
     realtime: RealtimeOption = True,
 ) -> None:
     """Be a node of a ROS 2 graph over rmw_zenoh, without a ROS installation (docs/ros2.md).
 
     Twists and a joystick from there drive a robot whose operator runs with --steer remote; RViz shows it.
-    It ends on Ctrl-C.
+    It ends on Ctrl-C, or with the recording.
     """
     from farhand.programs.ros2 import Ros2Options, ros2_program
 
@@ -69,6 +77,8 @@ def ros2(
         tool_frame=tool_frame,
         joy_topic=joy_topic,
         joy=dict(parse_setting(each) for each in joy or []),
+        run=run,
+        speed=speed,
         realtime=realtime,
     )
     raise typer.Exit(ros2_program(options))

@@ -87,7 +87,7 @@ def test_two_ros_nodes_talk_through_the_emulator_and_the_drawn_delays_are_those_
     heard = peer.listen("/chatter", STRING)
     subscriber = peer.session.session.declare_subscriber("0/chatter/**", take)
     pause = threading.Event()
-    while not any("%talker" in token for token in peer.tokens()):
+    while not any("/talker" in token for token in peer.tokens()):
         pause.wait(0.1)
     while heard.empty():
         publisher.put(make(STRING, data="hello"))

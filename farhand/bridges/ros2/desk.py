@@ -5,6 +5,7 @@ from collections.abc import Callable
 import msgspec
 import zenoh
 
+from farhand.bridges.ros2.playback import kept_in
 from farhand.common.messages.keys import acknowledge_key, estop_key, ticks_key
 from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.site.acknowledge import acknowledge
@@ -39,9 +40,7 @@ class OperatorDesk:
             for reply in self._session.get(ticks_key(self._robot), payload=wanted, timeout=1.0):
                 if reply.ok is not None:
                     batch = msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=TickBatch)
-                    controller = batch.info.scenario.get("controller")
-                    found = controller.get("d_min") if isinstance(controller, dict) else None
-                    return float(found) if isinstance(found, int | float) else None
+                    return kept_in(batch.info)
         except (zenoh.ZError, msgspec.MsgspecError):
             pass
         return None

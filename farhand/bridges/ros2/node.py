@@ -204,7 +204,8 @@ class RosNode:
             subscription.put(Heard(str(sample.key_expr), sample.payload.to_bytes(), attached, now_ns))
             self._wake()
 
-        self._declared.append(self._session.declare_subscriber(f"*{name}/*/*", take))
+        take_at_once = zenoh.handlers.Callback(take, indirect=False)  # it only queues
+        self._declared.append(self._session.declare_subscriber(f"*{name}/*/*", take_at_once))
         return subscription
 
     def key_of(self, subscription: Subscription) -> str:

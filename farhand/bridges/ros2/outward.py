@@ -99,11 +99,14 @@ class Outward:
         kind = packet.key.rpartition("/")[2]
         if kind in KINDS:
             self._slow.put((kind, packet.payload, packet.arrived_ns))
+        else:
+            self.take_state(packet.payload, packet.arrived_ns)
+
+    def take_state(self, payload: bytes, at_ns: int) -> None:
+        """Take a state that arrived at `at_ns`, always in the same thread; never waits."""
+        state = self._state_decoder.decode(payload)
+        if state is None or not self._newest.accept(state, at_ns):
             return
-        state = self._state_decoder.decode(packet.payload)
-        if state is None or not self._newest.accept(state, packet.arrived_ns):
-            return
-        at_ns = packet.arrived_ns
         arm = self._arm  # until the robot has said what its joints are called, nobody else does
         if state.joints and arm is not None:
             names = arm.names(len(state.joints))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from farhand.bridges.ros2.joy import JoySettings
 from farhand.bridges.ros2.wire import MAX_DOMAIN, check_namespace
@@ -28,6 +29,8 @@ class Ros2Options:
         base_frame, tool_frame: what twists call the two.
         joy_topic: of the joystick.
         joy: what its axes and buttons do, where it is not the default.
+        run: a recording that is told again; None: a running operator.
+        speed: of that, times as fast as it was.
         realtime: ask for SCHED_FIFO.
 
     Raises:
@@ -46,6 +49,8 @@ class Ros2Options:
     tool_frame: str = "tool"
     joy_topic: str = "/joy"
     joy: Mapping[str, object] = field(default_factory=dict)
+    run: Path | None = None
+    speed: float = 1.0
     realtime: bool = True
 
     def __post_init__(self) -> None:
