@@ -28,7 +28,7 @@ class Between:
 
     def __init__(self, ports, spec):
         self.clock, self.fates, self.loop = SystemClock(), FateHistory(), None
-        meetings = [Meeting(connect=(f"tcp/127.0.0.1:{port}",)) for port in ports]
+        meetings = [Meeting(connect=(f"tcp/127.0.0.1:{port}",), router=True) for port in ports]
         self.proxy = Proxy(*meetings, self.clock, self.wake)
         links = self.proxy.operator_link, self.proxy.robot_link
         emulation = Emulation(parse_spec(spec), parse_spec(spec), 1)
