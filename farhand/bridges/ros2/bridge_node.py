@@ -14,6 +14,8 @@ from farhand.operator_side.steering.sender import SteeringSender
 from farhand.operator_side.steering.wish import Wish
 
 PERIOD = 0.01
+LEAST_NS = 5_000_000
+"""What was said at a message's arrival is not said again by the clock so soon."""
 
 
 class Device(Protocol):
@@ -44,6 +46,7 @@ class _Seat:
     def __init__(self, device: Device, sender: SteeringSender) -> None:
         self.device, self.sender = device, sender
         self.pressed_ns: int | None = None
+        self.sent_ns = -(1 << 62)
 
 
 class BridgeNode:
@@ -74,7 +77,8 @@ class BridgeNode:
             self._hand_on(packet, now_ns)
         due = self._ticks.due(now_ns)
         for seat in self._seats:
-            if seat.device.hear(now_ns) or due:
+            if seat.device.hear(now_ns) or (due and now_ns - seat.sent_ns >= LEAST_NS):
+                seat.sent_ns = now_ns
                 self._send(seat, now_ns)
         return self._ticks.next_ns
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from farhand.bridges.ros2.description import ArmFrames
+from farhand.bridges.ros2.joint_states import JOINT_STATE, JointStates
 from farhand.bridges.ros2.markers import ARRAY, Markers
 from farhand.bridges.ros2.node import RosNode
 from farhand.bridges.ros2.status import diagnostics, servo_status, unknown
@@ -68,7 +69,7 @@ class Outward:
         self.steers, self.stands, self.trouble = "", False, ""
         types = node.types
         self._types, self._ros, self._epoch_ns, self._robot = types, Ros(types.types), epoch_ns, robot
-        self._joints = node.publisher("joint_states", "sensor_msgs/msg/JointState", RELIABLE)
+        self._joints = node.publisher("joint_states", JOINT_STATE, RELIABLE)
         self._frames = node.publisher("/tf", "tf2_msgs/msg/TFMessage", RELIABLE)
         self._standing = node.publisher("/tf_static", "tf2_msgs/msg/TFMessage", LATCHED)
         self._urdf = node.publisher("robot_description", "std_msgs/msg/String", LATCHED)
@@ -84,6 +85,8 @@ class Outward:
         self._state_decoder, self._newest = Decoder(RobotState), Newest()
         self._decoders: dict[str, Decoder[Message]] = {kind: Decoder(of) for kind, of in KINDS.items()}
         self._arm: ArmFrames | None = None
+        self._encoder: JointStates | None = None
+        self._encoder_of: ArmFrames | None = None
         self._story = _Story(Markers(self._ros))
         self._kept, self._asked_ns = kept, -(1 << 62)
         self._moved_ns = self._looked_ns = -(1 << 62)
@@ -109,8 +112,14 @@ class Outward:
             return
         arm = self._arm  # until the robot has said what its joints are called, nobody else does
         if state.joints and arm is not None:
-            names = arm.names(len(state.joints))
-            self._joints.put(self._ros.joints(at_ns + self._epoch_ns, names, state))
+            if (
+                self._encoder is None
+                or self._encoder_of is not arm
+                or self._encoder.count != len(state.joints)
+            ):
+                self._encoder_of = arm
+                self._encoder = JointStates(self._types, self._ros, arm.names(len(state.joints)))
+            self._joints.put_bytes(self._encoder.encode(at_ns + self._epoch_ns, state.joints))
         if at_ns - self._moved_ns >= MOVES_EVERY_NS:
             self._moved_ns = at_ns
             self._slow.put(("state", state, at_ns))
@@ -170,9 +179,11 @@ class Outward:
             return
         if self._story.described and state.joints:
             self._story.described, self.stands = False, True
-            frames = self._ros.frames(at_ns + self._epoch_ns, self._arm.standing(state))
-            self._standing.put(frames)
-        self._frames.put(self._ros.frames(at_ns + self._epoch_ns, self._arm.moving(state)))
+            self._standing.put(self._ros.frames(at_ns + self._epoch_ns, self._arm.standing(state)))
+        frames, report = self._arm.moving(state), self._story.report
+        if report is not None and report.states:
+            frames.append((PREDICTED, report.predicted, report.predicted_orientation))
+        self._frames.put(self._ros.frames(at_ns + self._epoch_ns, frames))
 
     def _describe(self, robot: RobotDescription) -> None:
         self._arm = ArmFrames(robot)
@@ -186,11 +197,7 @@ class Outward:
         if story.report is None or story.report.session != report.session:
             story.markers.d_min = None  # another program, with another scenario
         story.report, story.report_ns = report, at_ns
-        code, words = servo_status(report, 0.0, story.state)
-        self._status.put(self._types.make("moveit_msgs/msg/ServoStatus", code=code, message=words))
-        if report.states:
-            ghost = (PREDICTED, report.predicted, report.predicted_orientation)
-            self._frames.put(self._ros.frames(at_ns + self._epoch_ns, [ghost]))
+        self._tell_status(servo_status(report, 0.0, story.state), at_ns)
         for _ in story.happenings.tick(report, at_ns):
             pass  # told when they began
         for happening in story.happenings.begun:
@@ -223,8 +230,15 @@ class Outward:
             story.told_ns = now_ns
             self._diagnose(age, at_ns)
             if report is None:
-                code, words = servo_status(story.report, age, story.state)
-                self._status.put(self._types.make("moveit_msgs/msg/ServoStatus", code=code, message=words))
+                self._tell_status(servo_status(story.report, age, story.state), now_ns)
+
+    def _tell_status(self, status: tuple[int, str], now_ns: int) -> None:
+        """What changed at once, and ten times a second."""
+        story = self._story
+        if status == story.status and now_ns - story.status_ns < DRAWN_EVERY_NS:
+            return
+        story.status, story.status_ns = status, now_ns
+        self._status.put(self._types.make("moveit_msgs/msg/ServoStatus", code=status[0], message=status[1]))
 
     def _diagnose(self, age: float, at_ns: int) -> None:
         make, told = self._types.make, []
@@ -279,6 +293,7 @@ class _Story:
         self.scene: Scene | None = None
         self.state: RobotState | None = None
         self.told: dict[str, int] = {}
-        self.report_ns = self.scene_ns = self.stood_ns = self.told_ns = -(1 << 62)
+        self.status: tuple[int, str] | None = None
+        self.report_ns = self.scene_ns = self.stood_ns = self.told_ns = self.status_ns = -(1 << 62)
         self.described = self.shown = False
         self.radius = 0.0
