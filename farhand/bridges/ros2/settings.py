@@ -63,7 +63,7 @@ class Ros2Options:
         if self.base_frame == self.tool_frame:
             raise InputError(f"--tool-frame {self.tool_frame!r}: is the base frame's name as well")
         check_namespace(self.namespace)
-        check_namespace(self.joy_topic)
+        check_namespace(self.joy_topic, "--joy-topic")
         _ = self.joy_settings
 
     @property

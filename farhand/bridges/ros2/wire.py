@@ -123,12 +123,12 @@ def endpoint_token(
     return f"{head}/{mangled(topic)}/{dds_name(type_name)}/{type_hash}/{qos.text}"
 
 
-def check_namespace(namespace: str) -> str:
-    """The namespace, empty for the root; raises InputError."""
+def check_namespace(namespace: str, option: str = "--namespace") -> str:
+    """The namespace, empty for the root, or a topic's full name; raises InputError that names the option."""
     found = namespace.rstrip("/")
     if not _NAMESPACE.match(found):
         raise InputError(
-            f"--namespace {namespace!r}: expected letters, digits and underscores such as /farhand/cell_1"
+            f"{option} {namespace!r}: expected a slash, then letters, digits and underscores such as /farhand/cell_1"
         )
     return found
 
