@@ -1,6 +1,9 @@
 """The bridge and an independent node (zenoh-ros2-sdk) at a real Zenoh router, each topic both ways."""
 
 import queue
+import signal
+import subprocess
+import sys
 
 import pytest
 from msgspec.structs import replace
@@ -49,9 +52,9 @@ def first(found, holds=lambda _: True):
             return message
 
 
-def again(bridge, *made):
+def again(bridge, *made, every=0.1):
     """Have all of it come from Farhand ten times a second, as long as a test waits: a first one finds nobody."""
-    return Stream(lambda _: [bridge.feed(*each) for each in _at(next(bridge.numbers), made)], None, 0.1)
+    return Stream(lambda _: [bridge.feed(*each) for each in _at(next(bridge.numbers), made)], None, every)
 
 
 def _at(seq, made):
@@ -228,3 +231,31 @@ def test_what_is_none_is_counted_said_and_moves_nothing(bridge, peer):
     assert any("expected geometry_msgs::msg::dds_::TwistStamped_" in line for line in bridge.told)
     assert set(bridge.bridge.refusals.counts) == {"/farhand/r/delta_twist_cmds: type"}
     assert not [each for each in bridge.steered if each.engaged]
+
+
+def test_a_reader_that_is_frozen_disturbs_nobody(bridge, peer, port):
+    script = (
+        "import sys, zenoh; from farhand.common.link.zenoh_link import open_session\n"
+        f"s = open_session(['tcp/127.0.0.1:{port}'], mode='client')\n"
+        "sub = s.declare_subscriber('0/**', lambda _: None); print('reads', flush=True); sys.stdin.read()"
+    )
+    reader = subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert reader.stdout.readline().strip() == "reads"
+        reader.send_signal(signal.SIGSTOP)
+        joints = peer.listen("/farhand/joint_states", "sensor_msgs/msg/JointState")
+        bridge.feed(replace(UR5, joint_names=tuple(f"joint_{n}" * 6 for n in range(6))), "description")
+        stream = again(bridge, lambda seq: (state(seq, joints=(1e-6 * seq,) * 6), "state"), every=0.001)
+        first(joints)
+        begun = next(bridge.numbers)
+        found = first(joints, lambda m: m.position[0] >= 1e-6 * (begun + 5000))  # megabytes that nobody takes
+        stream.close()
+        assert found.position[0] < 1e-6 * next(bridge.numbers)
+        publisher, still = peer.publisher("/farhand/r/delta_twist_cmds", TWIST), twist(peer)
+        wish = twist(peer, (0.2, 0.0, 0.0))
+        assert drive(bridge, lambda moves: publisher.publish(**(moves or still)), wish).engaged
+    finally:
+        reader.kill()
+        reader.communicate()
