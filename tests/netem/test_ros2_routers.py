@@ -1,5 +1,6 @@
 """Two ROS 2 nodes, each at a router of its own, and nothing between the routers but the emulator."""
 
+import csv
 import threading
 
 import pytest
@@ -10,12 +11,7 @@ from farhand.bridges.ros2.wire import LATCHED, RELIABLE, read_attachment
 from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import open_session
 from farhand.common.timing.clock import SystemClock
-from farhand.common.timing.loop import RealtimeLoop
-from farhand.netem.emulation import Emulation
-from farhand.netem.measure.fate_history import FateHistory
-from farhand.netem.netem_node import NetemNode
-from farhand.netem.proxy import Meeting, Proxy
-from farhand.netem.spec import parse_spec
+from farhand.testing import Programs
 from tests.farhand.bridges.ros2.peer import PATIENCE, Peer, router
 
 pytestmark = pytest.mark.realtime
@@ -23,49 +19,34 @@ STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
 COUNT = 60
 
 
-class Between:
-    """The emulator in this process, a neighbour of both routers."""
-
-    def __init__(self, ports, spec):
-        self.clock, self.fates, self.loop = SystemClock(), FateHistory(), None
-        meetings = [Meeting(connect=(f"tcp/127.0.0.1:{port}",), router=True) for port in ports]
-        self.proxy = Proxy(*meetings, self.clock, self.wake)
-        links = self.proxy.operator_link, self.proxy.robot_link
-        emulation = Emulation(parse_spec(spec), parse_spec(spec), 1)
-        self.node = NetemNode(*links, emulation, logs=[self.fates], instant=self.clock.now_ns)
-        self.loop = RealtimeLoop(self.node, self.clock, message_driven=True, realtime=False)
-        self.thread = threading.Thread(target=self.loop.run)
-        self.thread.start()
-
-    def wake(self):
-        if self.loop is not None:
-            self.loop.notify()
-
-    def close(self):
-        self.loop.stop()
-        self.thread.join()
-        self.proxy.close()
-
-
 @pytest.fixture
-def rig():
+def rig(tmp_path):
     near, far = free_ports(2)
-    with router(near), router(far), Peer(far) as peer:
-        between = Between((near, far), "uniform:50,200")
+    clock = SystemClock()
+    with router(near), router(far), Peer(far) as peer, Programs(tmp_path) as programs:
+        emulator = programs.start("netem", "--network", "uniform:50,200", "--router", "--log", tmp_path / "log.csv",
+                                  "--connect-operator", f"tcp/127.0.0.1:{near}",
+                                  "--connect-robot", f"tcp/127.0.0.1:{far}")  # fmt: skip
+        emulator.wait_for("connects to")
         session = open_session(
             [f"tcp/127.0.0.1:{near}"], mode="client", extra=[("timestamping/enabled", True)]
         )
         node = RosNode(
-            session, Types("jazzy"), between.clock, domain=0, namespace="", name="talker", wake=lambda: None
+            session, Types("jazzy"), clock, domain=0, namespace="", name="talker", wake=lambda: None
         )
-        yield node, peer, between
+
+        def drawn():
+            assert emulator.interrupt(30) == 0
+            rows = csv.DictReader((tmp_path / "log.csv").read_text().splitlines())
+            return [row for row in rows if row["key"].startswith("0/chatter/")]
+
+        yield node, peer, clock, drawn
         session.close()
-        between.close()
 
 
 def test_two_ros_nodes_talk_through_the_emulator_and_the_drawn_delays_are_those_that_arrive(rig):
-    node, peer, between = rig
-    make, clock = node.types.make, between.clock
+    node, peer, clock, drawn = rig
+    make = node.types.make
     arrived = {}
 
     def take(sample):
@@ -98,16 +79,7 @@ def test_two_ros_nodes_talk_through_the_emulator_and_the_drawn_delays_are_those_
         pause.wait(0.01)
     while len([seq for seq in arrived if seq > begin]) < COUNT:
         heard.get(timeout=PATIENCE)
-    fates = [each for each in between.fates.since(0)[1] if each.key.startswith("0/chatter/")]
-    drawn = {begin + 1 + n: each for n, each in enumerate(fates[-COUNT:])}
-    for fate in drawn.values():
-        assert fate.fate == "delivered"
     took = sorted(arrived[seq] for seq in arrived if seq > begin)
-    asked = sorted(each.drawn_ns for each in drawn.values())
-    assert 50e6 <= asked[0] < asked[-1] <= 200e6
-    over = [got - wanted for got, wanted in zip(took, asked, strict=True)]
-    assert min(over) > -1e6
-    assert sorted(over)[COUNT // 2] < 20e6, over
 
     # A service, there and back; and what was told before.
     assert peer.call("/ask", TRIGGER).message == "heard"
@@ -115,3 +87,12 @@ def test_two_ros_nodes_talk_through_the_emulator_and_the_drawn_delays_are_those_
     late = peer.listen("/told_before", STRING, qos=LATCHED.text)
     assert late.get(timeout=PATIENCE).data == "for who comes late"
     subscriber.undeclare()
+
+    # What was drawn for each of the counted messages is what it took.
+    rows = sorted(drawn(), key=lambda row: int(row["ordinal"]))[-COUNT:]
+    assert {row["fate"] for row in rows} == {"delivered"}
+    asked = sorted(int(row["drawn_ns"]) for row in rows)
+    assert 50e6 <= asked[0] < asked[-1] <= 200e6
+    over = [got - wanted for got, wanted in zip(took, asked, strict=True)]
+    assert min(over) > -1e6
+    assert sorted(over)[COUNT // 2] < 20e6, over

@@ -59,7 +59,7 @@ def test_the_program_tells_a_recording_to_an_independent_node(path, tmp_path):
     with router(port), Peer(port) as peer, Programs(tmp_path) as programs:
         clock = peer.listen("/clock", CLOCK)
         status = peer.listen(f"/farhand/{run.info.robot}/status", "moveit_msgs/msg/ServoStatus")
-        program = programs.start("ros2", path, "--router", f"tcp/127.0.0.1:{port}", "--speed", "0.5")
+        program = programs.start("ros2", path, "--router", f"tcp/127.0.0.1:{port}", "--speed", "2")
         try:
             first = clock.get(timeout=PATIENCE).clock
             status.get(timeout=PATIENCE)

@@ -89,3 +89,20 @@ def _drive(peer, frames, stream):
         gain = min(SPEED, left) / left if held else 0.0
         stream.wanted = twist(peer, tuple(gain * each for each in rest))
     pytest.fail(f"it stands {left:.3f} m before the target")
+
+
+def test_on_the_robots_side_it_tells_the_states_and_stops_the_robot_and_steers_nothing(tmp_path):
+    meeting, far = free_ports(2)
+    scenario = short_task(tmp_path)
+    with router(meeting), Programs(tmp_path) as programs, Peer(meeting) as peer:
+        robot_side = f"tcp/127.0.0.1:{far}"
+        programs.start("robot", "--scenario", scenario, "--listen", robot_side)
+        bridge = programs.start("ros2", "--side", "robot", "--router", f"tcp/127.0.0.1:{meeting}",
+                                "--connect", robot_side)  # fmt: skip
+        frames = peer.listen("/tf", "tf2_msgs/msg/TFMessage")
+        assert tool(frames) == pytest.approx((0.0, 0.0, 0.5))
+        kinds = [token.split("/")[5] for token in peer.tokens() if "%farhand%ur5" in token]
+        assert "MS" not in kinds
+        found = peer.call("/farhand/ur5/estop", "std_srvs/srv/Trigger")
+        assert found.success, found.message
+        assert bridge.interrupt(30) == 0
