@@ -47,6 +47,7 @@ class _Seat:
         self.device, self.sender = device, sender
         self.pressed_ns: int | None = None
         self.sent_ns = -(1 << 62)
+        self.engaged, self.says = False, ""
 
 
 class BridgeNode:
@@ -99,5 +100,6 @@ class BridgeNode:
         elif seat.pressed_ns is None:
             seat.pressed_ns = now_ns
         seat.sender.send(wish, now_ns, drives=seat.device.drives)
-        if wish.engaged or not self.says or seat is self._seats[0]:
-            self.says = obstacles.lost or obstacles.stopped or seat.device.says
+        seat.engaged, seat.says = wish.engaged, obstacles.lost or obstacles.stopped or seat.device.says
+        driving = [each.says for each in self._seats if each.engaged]
+        self.says = "; ".join(driving or dict.fromkeys(each.says for each in self._seats if each.says))

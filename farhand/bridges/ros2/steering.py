@@ -84,7 +84,9 @@ class JoyDevice:
     @property
     def says(self) -> str:
         """For people: what it does, or waits for."""
-        return self._hand.says if self._reading is not None else f"waits for {self._subscription.topic}"
+        return (
+            self._hand.says if self._reading is not None else f"nothing comes on {self._subscription.topic}"
+        )
 
     def hear(self, now_ns: int) -> bool:
         """Take what has come; whether anything has."""

@@ -170,6 +170,7 @@ def test_a_joystick_drives(bridge, peer):
 
     steering = drive(bridge, publish, True)
     assert (steering.unit, steering.device) == ("share", "ROS joystick")
+    assert "/joy: hold button5 to move" in " ".join(bridge.told)
     assert bridge.wait(lambda s: not s.engaged and s.press == 1) is not None
 
 
