@@ -7,6 +7,7 @@ import sys
 import typer
 
 from farhand.commands.arm import arm_app
+from farhand.commands.benchmark import benchmark_app
 from farhand.commands.certs import certs_app
 from farhand.commands.help_words import in_plain_words
 from farhand.commands.laboratory import register as register_experiments
@@ -43,6 +44,7 @@ register_experiments(app)
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
 app.add_typer(trial_app, name="trial")
+app.add_typer(benchmark_app, name="benchmark")
 app.add_typer(certs_app, name="certs")
 app.add_typer(arm_app, name="arm")
 

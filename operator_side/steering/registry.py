@@ -19,6 +19,9 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
         "gamepad": "farhand.operator_side.steering.gamepad:Gamepad",
         "spacemouse": "farhand.operator_side.steering.spacemouse:Spacemouse",
         "recorded": "farhand.operator_side.steering.recorded:Recorded",
+        "person": "farhand.operator_side.steering.person:Person",
+        "hostile": "farhand.operator_side.steering.hostile:Hostile",
+        "paced": "farhand.operator_side.steering.paced:Paced",
     },
 )
 

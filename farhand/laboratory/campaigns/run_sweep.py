@@ -26,7 +26,7 @@ WITHOUT_PARQUET = f"no {PARQUET}: pyarrow is not installed (pip install 'farhand
 def run_sweep(sweep: Sweep, pool: Pool, out: Path, as_json: bool) -> int:
     """Run the sweep or what is missing of it; returns 0, or 1 when a run crashed."""
     console = page(stderr=as_json)
-    store = Store(out, sweep.about())
+    store: Store[Row] = Store(out, sweep.about())
     rows, run = run_with_progress(sweep.jobs, store, pool, console)
     written = [JSON, TABLE]
     if has_parquet():
