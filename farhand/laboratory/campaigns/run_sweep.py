@@ -2,7 +2,7 @@
 
 import importlib.util
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -61,17 +61,22 @@ def has_parquet() -> bool:
 
 def write_parquet(rows: Sequence[Row], path: Path) -> None:
     """The rows as Parquet; units are metadata of the columns."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     columns: dict[str, list[Any]] = {}
     for name in rows[0].labels if rows else ():
         columns[name] = _uniform([row.labels[name] for row in rows])
     for name in FIELDS:
         columns[name] = [getattr(row, name) for row in rows]
+    write_columns(columns, UNITS, path)
+
+
+def write_columns(columns: Mapping[str, list[Any]], units: Mapping[str, str], path: Path) -> None:
+    """Columns by name as Parquet; units are their metadata."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     arrays = [pa.array(values) for values in columns.values()]
     fields = [
-        pa.field(name, array.type, metadata={"unit": UNITS[name]} if name in UNITS else None)
+        pa.field(name, array.type, metadata={"unit": units[name]} if name in units else None)
         for name, array in zip(columns, arrays, strict=True)
     ]
     made = pa.BufferOutputStream()

@@ -12,15 +12,18 @@ from farhand.common.process.console import page, whole
 from farhand.common.result_file import write_whole
 from farhand.laboratory.campaigns.campaign import Work
 from farhand.laboratory.campaigns.pools import Pool
+from farhand.laboratory.campaigns.run_sweep import PARQUET, WITHOUT_PARQUET, has_parquet, write_columns
 from farhand.laboratory.campaigns.run_table1 import keep, report_crashes, run_with_progress
-from farhand.laboratory.campaigns.store import Store
+from farhand.laboratory.campaigns.store import TABLE, Store
 from farhand.trials.leaderboard import posing, rows, running
 from farhand.trials.leaderboard.board import Board
+from farhand.trials.leaderboard.figures import draw_figures
+from farhand.trials.leaderboard.page import html
 from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
 from farhand.trials.leaderboard.tables import by_method, by_scene, redrawn, to_markdown
 
-TASKS, MARKDOWN, JSON = "tasks", "leaderboard.md", "leaderboard.json"
+TASKS, MARKDOWN, PAGE = "tasks", "leaderboard.md", "index.html"
 CHUNK = 4
 
 
@@ -39,7 +42,7 @@ def run_board(board: Board, pool: Pool, out: Path, *, as_json: bool = False) -> 
         console.print(
             msgspec.json.format(msgspec.json.encode(found[0])).decode(), highlight=False, markup=False
         )
-    console.print(f"results in {out}/: {MARKDOWN}, index.html, tasks.csv, figures", highlight=False)
+    console.print(f"results in {out}/: {PAGE}, {MARKDOWN}, {TABLE}, figures", highlight=False)
     if as_json:
         print(json.dumps({"about": board.about(), "run": run}), flush=True)
     return 1 if any(row.error for row in found) else 0
@@ -61,5 +64,12 @@ def _rows(
 
 
 def _write(board: Board, posed: list[Posed], found: list[Row], out: Path, console: Console) -> None:
-    text = to_markdown(found, posed, board.command())
-    keep(out / MARKDOWN, lambda path: write_whole(path, text), console)
+    """All files; what cannot be written is said, and costs nothing else."""
+    keep(out / MARKDOWN, lambda path: write_whole(path, to_markdown(found, posed, board.command())), console)
+    if has_parquet():
+        columns = {name: [getattr(row, name) for row in found] for name in Row.__struct_fields__}
+        keep(out / PARQUET, lambda path: write_columns(columns, Row.UNITS, path), console)
+    else:
+        console.print(WITHOUT_PARQUET, style="yellow", markup=False, highlight=False)
+    keep(out, lambda folder: draw_figures(found, folder), console)
+    keep(out / PAGE, lambda path: write_whole(path, html(board, posed, found, out)), console)
