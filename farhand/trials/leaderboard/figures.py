@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from farhand.runs.figure import STYLE, save
 from farhand.trials.leaderboard.cells import Cell, cells_by
 from farhand.trials.leaderboard.rows import Row
@@ -61,7 +63,7 @@ def _trade(plt: Any, rows: Sequence[Row]) -> Any:
         axes.annotate(
             method, (cell.time, unsafe), xytext=(6, above), textcoords="offset points", color=_colour(method)
         )
-    axes.set_ylim(-2.0, 102.0)
+    axes.set_ylim(-7.0, 107.0)
     axes.set_xlabel("time over the ideal operator's (median of the runs that finished)")
     axes.set_ylabel("runs that were not safe (%), 95 %")
     axes.margins(x=0.15)
@@ -77,20 +79,21 @@ def _clearance(plt: Any, rows: Sequence[Row]) -> Any:
     """Boxes of the smallest clearance of each run, and each run beyond the whiskers."""
     methods = list(dict.fromkeys(row.method for row in rows))
     figure, axes = plt.subplots(figsize=(6.2, 4.0), layout="constrained")
-    values = [
-        [1e3 * row.min_clearance for row in rows if row.method == m and row.min_clearance is not None]
-        for m in methods
-    ]
-    drawn = axes.boxplot(
-        values, vert=False, widths=0.6, whis=(1, 99), patch_artist=True, flierprops={"ms": 2}
-    )
-    for method, box, median in zip(methods, drawn["boxes"], drawn["medians"], strict=True):
-        box.set(facecolor=_colour(method), alpha=0.35, edgecolor=_colour(method))
-        median.set(color=_colour(method), lw=1.6)
+    for place, method in enumerate(methods, 1):
+        own = [1e3 * r.min_clearance for r in rows if r.method == method and r.min_clearance is not None]
+        if not own:
+            continue
+        low, begin, middle, end, high = np.percentile(own, (1, 25, 50, 75, 99))
+        colour = _colour(method)
+        axes.hlines(place, low, high, color=colour, lw=1)
+        axes.barh(place, end - begin, 0.6, begin, color=colour, alpha=0.35)
+        axes.vlines(middle, place - 0.3, place + 0.3, color=colour, lw=1.6)
+        beyond = [value for value in own if not low <= value <= high]
+        axes.plot(beyond, [place] * len(beyond), "o", ms=2, color=colour)
     axes.axvline(D_MIN_MM, color="black", lw=0.8, ls="--")
-    axes.annotate("d_min", (D_MIN_MM, 0.5), xytext=(4, 2), textcoords="offset points", fontsize=8)
+    axes.annotate("d_min", (D_MIN_MM, 0.45), xytext=(4, 2), textcoords="offset points", fontsize=8)
     axes.set_yticks(range(1, len(methods) + 1), methods)
     axes.invert_yaxis()
     axes.set_xlim(*SHOWN_MM)
-    axes.set_xlabel("smallest clearance of a run (mm); boxes hold half, whiskers 98 %")
+    axes.set_xlabel("smallest clearance of a run (mm); boxes hold half, lines 98 %")
     return figure

@@ -16,7 +16,7 @@ const MEASURES = {
   stops: { says: "latched stops a run", text: (v) => v.toFixed(1), bad: (v) => clamp(v / 5), worst: "5 and more", best: "none" },
   smoothness: { says: "smoothness (spectral arc length)", text: (v) => v.toFixed(1), bad: (v) => clamp((-v - 2) / 6), worst: "−8 and less", best: "−2", maybe: true },
 };
-const state = { operator: BOARD.operators[0], measure: "safe", by: "scenes", other: "*", sort: null, down: false, cell: null };
+const state = { operator: BOARD.operators[0], measure: "safe", by: "scenes", other: "*", sort: null, down: false, cell: { method: BOARD.methods[BOARD.methods.length - 1], scene: "*", network: "*" } };
 const at = (id) => document.getElementById(id);
 const make = (tag, set = {}, ...inner) => { const e = Object.assign(document.createElement(tag), set); e.append(...inner); return e; };
 const cellOf = (method, column) => {
@@ -32,7 +32,7 @@ const valueOf = (cell) => {
 function tabs(title, values, name) {
   const row = make("div", { className: "tabs" });
   for (const value of values) {
-    const button = make("button", { textContent: value, onclick: () => { state[name] = value; if (name === "by") state.other = "*"; show(); } });
+    const button = make("button", { textContent: value, onclick: () => { state[name] = value; if (name === "by") { state.other = "*"; state.sort = null; } show(); } });
     button.setAttribute("aria-pressed", state[name] === value);
     row.append(button);
   }
