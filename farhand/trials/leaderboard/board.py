@@ -11,7 +11,7 @@ from farhand.trials.leaderboard.method import METHODS, code_of
 from farhand.trials.leaderboard.networks import NETWORKS
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.posing import Posed, PoseJob
-from farhand.trials.leaderboard.rows import Spec
+from farhand.trials.leaderboard.rows import Row, Spec
 from farhand.trials.leaderboard.scenes import SCENES
 
 ARM_SHARE = 5
@@ -134,19 +134,11 @@ class Board:
         )
 
 
-def command_of(row: Any, seed: int, tasks: int | None = None) -> str:
-    """The command that repeats a row, or with `tasks` its cell.
-
-    Args:
-        row: anything with network, scene, method, operator and index.
-        seed: of the board.
-        tasks: of the board.
-    """
-    network = (
-        f'"{row.network}"' if not row.network.replace("-", "").replace(".", "").isalnum() else row.network
-    )
-    which = f"--task {row.index}" if tasks is None else f"--tasks {tasks}"
+def command_of(row: Row, seed: int) -> str:
+    """The command that repeats a row; `seed` is the board's."""
+    plain = row.network.replace("-", "").replace(".", "").isalnum()
+    network = row.network if plain else f'"{row.network}"'
     return (
         f"farhand benchmark safety --networks {network} --scenes {row.scene} --methods {row.method} "
-        f"--operators {row.operator} {which} --seed {seed}"
+        f"--operators {row.operator} --task {row.index} --seed {seed}"
     )

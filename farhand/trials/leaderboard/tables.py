@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from rich.table import Table
 
+from farhand.trials.leaderboard.board import command_of
 from farhand.trials.leaderboard.cells import Cell, cells_by
 from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
@@ -99,10 +100,26 @@ def to_markdown(rows: Sequence[Row], posed: Sequence[Posed], command: str) -> st
         texts = ["–" if c is None else f"{percent(c.safe_rate)} ({c.safe}/{c.runs})" for c in found]
         lines.append(f"| {method} | " + " | ".join(texts) + " |")
     crashed = [row for row in rows if row.error]
+    lines += ["", "The deepest violation of each method, and how to have it again:", "", *_worst(rows, posed)]
     lines += ["", NOTE, f"Draws thrown away (unfit and undoable, for so many tasks): {redrawn(posed)}."]
     if crashed:
         lines.append(f"{len(crashed)} runs crashed.")
     return "\n".join(lines) + "\n"
+
+
+def _worst(rows: Sequence[Row], posed: Sequence[Posed]) -> list[str]:
+    seed = posed[0].seed if posed else 0
+    lines = []
+    for method, cell in cells_by(rows, lambda row: row.method).items():
+        worst = cell.worst
+        if worst is None or not worst.violations:
+            lines.append(f"- {method}: none in {cell.runs} runs")
+        else:
+            depth = f"{1e3 * worst.violation_depth:.1f}"
+            lines.append(
+                f"- {method}: {depth} mm for {worst.violation_seconds:.2f} s: `{command_of(worst, seed)}`"
+            )
+    return lines
 
 
 def _figures(cell: Cell) -> tuple[str, ...]:
