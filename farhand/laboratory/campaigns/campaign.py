@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from farhand.common.errors import InputError
-from farhand.laboratory.campaigns.jobs import crashed, run_jobs
+from farhand.laboratory.campaigns.jobs import Job, Row, crashed, run_jobs
 from farhand.laboratory.campaigns.pools import Pool
 from farhand.laboratory.campaigns.store import Keyed, R, Store
 
@@ -52,7 +52,7 @@ def run_campaign(
         chunk: jobs sent to a worker at once.
         work: what is done with them; None: they are runs of the laboratory.
     """
-    doing: Any = work or Work(run_jobs, crashed)
+    doing: Any = work or Work[Job, Row](run_jobs, crashed)
     missing = store.missing(jobs)
     chunks = deque([missing[i : i + chunk] for i in range(0, len(missing), chunk)])
 

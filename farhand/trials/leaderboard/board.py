@@ -17,7 +17,7 @@ from farhand.trials.leaderboard.scenes import SCENES
 ARM_SHARE = 5
 """An arm's cell has one task for so many of a sphere's."""
 OPERATOR_SHARE = {"tester": 1}
-OTHERS_SHARE = 2
+OTHERS_SHARE = 4
 """The cells of other operators have one task for so many of the tester's."""
 
 

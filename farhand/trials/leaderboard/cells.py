@@ -24,8 +24,8 @@ class Cell:
         violations: sum.
         depth: greatest (m).
         seconds: of violation, sum (s).
-        least, median: clearance of the sphere around the tool (m); None: nothing near.
-        least_arm: clearance of any link (m).
+        least, median: clearance of the robot (m).
+        least_tool: clearance of the sphere around the tool (m).
         time: median over the finished runs of the duration over the ideal operator's.
         path: likewise of the way.
         filtered, filtered_strength, guarded, guard_strength: means, see Row.
@@ -48,7 +48,7 @@ class Cell:
     seconds: float
     least: float | None
     median: float | None
-    least_arm: float | None
+    least_tool: float | None
     time: float | None
     path: float | None
     filtered: float
@@ -77,7 +77,7 @@ def cell_of(rows: Sequence[Row]) -> Cell:
     successes, safe = sum(row.success for row in good), sum(row.safe for row in good)
     success_interval, safe_interval = clopper_pearson(successes, len(good)), clopper_pearson(safe, len(good))
     clearances = _known(row.min_clearance for row in good)
-    arms = _known(row.min_arm_clearance for row in good)
+    tools = _known(row.min_tool_clearance for row in good)
     return Cell(
         runs=len(good),
         crashed=len(rows) - len(good),
@@ -93,7 +93,7 @@ def cell_of(rows: Sequence[Row]) -> Cell:
         seconds=sum(row.violation_seconds for row in good),
         least=min(clearances, default=None),
         median=_median(clearances),
-        least_arm=min(arms, default=None),
+        least_tool=min(tools, default=None),
         time=_median(_ratios(done, "duration", "ideal_duration")),
         path=_median(_ratios(done, "path_length", "ideal_path")),
         filtered=_mean([row.filtered_share for row in good]) or 0.0,

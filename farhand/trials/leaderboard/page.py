@@ -44,7 +44,7 @@ def html(board: Board, posed: Sequence[Posed], rows: Sequence[Row], folder: Path
 <body>
 <header><h1>Safety over bad networks</h1>
 <p>The same tasks, networks and seeds for every method, in virtual time: {len(rows) - crashed} runs. A run is
-<b>safe</b> if the sphere around the tool never came nearer to anything than 10 mm and no link touched anything; it is
+<b>safe</b> if no part of the robot ever came nearer than 10 mm to anything; it is
 <b>done</b> if it was safe and reached every target. Intervals are exact, 95 % (Clopper and Pearson). Choose a cell for
 its figures and for the command that repeats it.</p></header>
 <main>
@@ -114,7 +114,7 @@ def _figures(cell: Cell) -> dict[str, Any]:
         "seconds": _rounded(cell.seconds, 2),
         "least": _rounded(cell.least, 4),
         "median": _rounded(cell.median, 4),
-        "arm": _rounded(cell.least_arm, 4),
+        "tool": _rounded(cell.least_tool, 4),
         "time": _rounded(cell.time, 3),
         "path": _rounded(cell.path, 3),
         "filtered": _rounded(cell.filtered, 3),

@@ -6,11 +6,11 @@ import msgspec
 
 from farhand.common.errors import ScenarioError
 from farhand.common.seeds import stream
-from farhand.laboratory.simulation import simulate_run
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings, scenario_to_table
 from farhand.trials.leaderboard.method import method_named
 from farhand.trials.leaderboard.scenes import SCENES
+from farhand.trials.leaderboard.witness import watched
 
 MOST_DRAWS = 500
 IDEAL_LIMIT = 60.0
@@ -114,7 +114,8 @@ def ideal(scenario: Scenario, seed: int) -> tuple[float, float] | None:
         run = msgspec.structs.replace(
             Run.over(posed, "none", seed=seed), time_limit=IDEAL_LIMIT, computing_time=(0.0,)
         )
-        summary = simulate_run(run).summary
-        if summary.safe and summary.finished:
+        result, seen = watched(run, gives_up=True)
+        summary = result.summary
+        if summary.finished and not seen.body.count:
             found.append((summary.duration, summary.path_length))
     return min(found, default=None)

@@ -36,13 +36,13 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         key, network, scene, method, operator, index, seed: see Spec.
         success: safe, and every target reached; of an operator without targets, safe.
-        safe: the sphere around the tool never nearer than d_min, and no link in contact.
+        safe: no part of the robot ever nearer than d_min to anything: of an arm its links, else the sphere.
         finished: every target reached within the time limit.
         violations: times it was not.
         violation_depth: how far beyond the limit (m).
         violation_seconds: for how long in all (s).
-        min_clearance: smallest of the sphere around the tool (m).
-        min_arm_clearance: smallest of any link (m); None of a robot without links.
+        min_clearance: smallest of the robot (m).
+        min_tool_clearance: smallest of the sphere around the tool, which the operator's side keeps clear (m).
         duration: from the first motion command to the last target, or to the end (s).
         ideal_duration, ideal_path: of the ideal operator on the same task (s, m); see posing.ideal.
         path_length: way of the tool (m).
@@ -64,7 +64,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         "violation_depth": "m",
         "violation_seconds": "s",
         "min_clearance": "m",
-        "min_arm_clearance": "m",
+        "min_tool_clearance": "m",
         "duration": "s",
         "ideal_duration": "s",
         "path_length": "m",
@@ -87,7 +87,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     violation_depth: float = 0.0
     violation_seconds: float = 0.0
     min_clearance: float | None = None
-    min_arm_clearance: float | None = None
+    min_tool_clearance: float | None = None
     duration: float | None = None
     ideal_duration: float | None = None
     path_length: float | None = None

@@ -8,8 +8,7 @@ import numpy as np
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.report import ControlReport
 from farhand.laboratory.campaigns.jobs import DIGEST_DIGITS
-from farhand.laboratory.simulation import SimulationResult, simulate_run
-from farhand.robot_side.robots.registry import make_robot
+from farhand.laboratory.simulation import SimulationResult
 from farhand.runs.run import Run
 from farhand.runs.scenario import scenario_from_table
 from farhand.runs.why import INTERRUPTED
@@ -17,7 +16,7 @@ from farhand.trials.leaderboard.method import method_named
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.rows import Row, Spec, lost
 from farhand.trials.leaderboard.smoothness import spectral_arc_length
-from farhand.trials.leaderboard.witness import SPEED_RATE_HZ, Seen, Witness
+from farhand.trials.leaderboard.witness import SPEED_RATE_HZ, Seen, watched
 
 PATIENCE, SPARE = 4.0, 20.0
 """A run may take so many times as long as the ideal operator's, and so many seconds more."""
@@ -34,7 +33,7 @@ def run_all(specs: list[Spec]) -> list[Row]:
 def run_one(spec: Spec) -> Row:
     """Run it; what raises becomes a row with `error`."""
     try:
-        return witnessed(spec)[0]
+        return witnessed(spec)
     except Exception as error:  # a campaign of thousands must outlive one crash; the row names its seed
         return lost(spec, f"{type(error).__name__}: {error}")
 
@@ -48,29 +47,18 @@ def run_of(spec: Spec) -> Run:
     return msgspec.structs.replace(Run.over(scenario, spec.spec, seed=spec.seed), time_limit=limit)
 
 
-def witnessed(spec: Spec) -> tuple[Row, Seen]:
-    """The row of a run, and what was seen of it."""
+def witnessed(spec: Spec) -> Row:
+    """The row of a run; raises what it raises."""
     run = run_of(spec)
-    robot = make_robot(run.scenario)
-    try:
-        witness = Witness(robot, run.scenario)
-        gives_up = OPERATORS[spec.operator].finishes
-        result = simulate_run(
-            run,
-            robot=witness,
-            keep_reports=True,
-            digest=True,
-            stop=lambda: gives_up and witness.stands,
-        )
-    finally:
-        robot.close()
-    return _row(spec, result, witness.seen, run.scenario.controller.speed_limit), witness.seen
+    gives_up = OPERATORS[spec.operator].finishes
+    result, seen = watched(run, gives_up=gives_up, keep_reports=True, digest=True)
+    return _row(spec, result, seen, run.scenario.controller.speed_limit)
 
 
 def _row(spec: Spec, result: SimulationResult, seen: Seen, limit: Vector3) -> Row:
     summary = result.summary
-    kinds = [seen.tool] if seen.arm is None else [seen.tool, seen.arm]
-    safe = bool(summary.driven) and not any(each.count for each in kinds)
+    body = seen.body
+    safe = bool(summary.driven) and not body.count
     stuck = summary.why == INTERRUPTED
     share, strength = _filtered(result.reports, limit)
     robot = summary.counts.robot
@@ -86,11 +74,11 @@ def _row(spec: Spec, result: SimulationResult, seen: Seen, limit: Vector3) -> Ro
         success=safe and (summary.finished or not OPERATORS[spec.operator].finishes),
         safe=safe,
         finished=summary.finished,
-        violations=sum(each.count for each in kinds),
-        violation_depth=max(each.depth for each in kinds),
-        violation_seconds=sum(each.seconds for each in kinds),
-        min_clearance=seen.tool.nearest,
-        min_arm_clearance=None if seen.arm is None else seen.arm.nearest,
+        violations=body.count,
+        violation_depth=body.depth,
+        violation_seconds=body.seconds,
+        min_clearance=body.nearest,
+        min_tool_clearance=seen.tool.nearest,
         duration=summary.duration,
         ideal_duration=spec.task.duration,
         path_length=summary.path_length,

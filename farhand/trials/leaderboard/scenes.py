@@ -80,7 +80,7 @@ def _passage(rng: Generator) -> Scenario | None:
     """A wall of balls with one gap, a target behind it and one in front."""
     radii = rng.uniform(0.3, 0.6, 2)
     middle = np.array([2.5, 0.0, float(rng.uniform(1.5, 3.5))])
-    obstacles = []
+    obstacles: list[Obstacle] = []
     for sign, radius in zip((-1.0, 1.0), radii, strict=True):
         z = 0.5 * GAP + float(radius)
         for number in range(4):

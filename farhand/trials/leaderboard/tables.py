@@ -10,7 +10,7 @@ from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
 
 NOTE = (
-    "safe: never nearer than d_min, no link in contact; done: safe, and every target reached. Clopper-Pearson, 95 %. "
+    "safe: no part of the robot nearer than d_min; done: safe, and every target reached. Clopper-Pearson, 95 %. "
     "time: median over the ideal, undelayed operator's on the same task."
 )
 

@@ -8,11 +8,14 @@ import numpy as np
 from farhand.common.geometry import Array, Twist, distance
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
+from farhand.laboratory.simulation import SimulationResult, simulate_run
 from farhand.robot_side.arm.model import model
+from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.safety.guard.arm_guard import body_of
 from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.scene.surroundings import Surroundings
+from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario
 from farhand.trials.safety.arm_run import Judge
 
@@ -57,16 +60,19 @@ class Violations:
 @dataclass
 class Seen:
     """Attributes:
-    tool: of the sphere around the tool, whose limit is d_min.
-    arm: of all links, whose limit is contact; None for a robot without any.
+    tool: of the sphere around the tool, which is all of a robot without links.
+    links: of an arm's, by the hulls of their meshes; None for a robot without any.
     speeds: of the tool at 100 Hz (m/s).
-    path: (t, x, y, z, clearance) at 20 Hz.
     """
 
     tool: Violations
-    arm: Violations | None = None
+    links: Violations | None = None
     speeds: list[float] = field(default_factory=list)
-    path: list[tuple[float, float, float, float, float]] = field(default_factory=list)
+
+    @property
+    def body(self) -> Violations:
+        """Of all that the robot is."""
+        return self.tool if self.links is None else self.links
 
 
 class Witness(Robot):
@@ -101,13 +107,11 @@ class Witness(Robot):
         name = scenario.robot.known_model if scenario.robot.kind in ("arm", "ur5") else ""
         if name:
             arm = model(name)
-            self._judge = Judge(arm, body_of(arm, 0.0), scenario.obstacles, 0.0)
-            self.seen.arm = Violations(0.0)
+            d_min = scenario.controller.d_min
+            self._judge = Judge(arm, body_of(arm, 0.0), scenario.obstacles, d_min)
+            self.seen.links = Violations(d_min)
         rate_hz = scenario.robot.rate_hz
-        self._speed_every, self._path_every = (
-            max(1, round(rate_hz / SPEED_RATE_HZ)),
-            max(1, round(rate_hz / 20.0)),
-        )
+        self._every = max(1, round(rate_hz / SPEED_RATE_HZ))
 
     def sample(self) -> RobotSample:
         """See Robot."""
@@ -145,22 +149,44 @@ class Witness(Robot):
         tick, sample, seen = self._ticks, self._sample, self.seen
         self._ticks += 1
         now_ns = round(tick * dt * 1e9)
-        clearance = self._field.clearance(sample.position, self._radius, now_ns)
-        seen.tool.look(clearance, dt)
-        if tick % self._speed_every == 0:
+        seen.tool.look(self._field.clearance(sample.position, self._radius, now_ns), dt)
+        if tick % self._every == 0:
             seen.speeds.append(float(np.linalg.norm(sample.velocity)))
-        if tick % self._path_every == 0:
             if distance(sample.position, self._place) > STILL:
                 self._place, self._since = sample.position, tick * dt
             self.stands = tick * dt - self._since > LONG
-            seen.path.append((tick * dt, *sample.position, clearance))
-        if self._judge is not None and seen.arm is not None and tick % ARM_EVERY == 0:
-            seen.arm.look(self._arm(np.array(sample.joints), now_ns), ARM_EVERY * dt)
+        if seen.links is not None and tick % ARM_EVERY == 0:
+            seen.links.look(self._links(np.array(sample.joints), now_ns), ARM_EVERY * dt)
 
-    def _arm(self, q: Array, now_ns: int) -> float:
+    def _links(self, q: Array, now_ns: int) -> float:
         """Least distance of any link now (m), by meshes where it is near."""
         judge = self._judge
         assert judge is not None
         judge.nearest, judge.nearest_self = NOTHING_NEAR, NOTHING_NEAR
         judge.look(q, self._field.table(now_ns), now_ns * 1e-9)
         return judge.nearest
+
+
+def watched(
+    run: Run, *, gives_up: bool, keep_reports: bool = False, digest: bool = False
+) -> tuple[SimulationResult, Seen]:
+    """Do a run in virtual time under a witness.
+
+    Args:
+        run: what to do.
+        gives_up: whether it ends where the robot has not got anywhere for long.
+        keep_reports, digest: see simulate.
+    """
+    robot = make_robot(run.scenario)
+    try:
+        witness = Witness(robot, run.scenario)
+        result = simulate_run(
+            run,
+            robot=witness,
+            stop=lambda: gives_up and witness.stands,
+            keep_reports=keep_reports,
+            digest=digest,
+        )
+    finally:
+        robot.close()
+    return result, witness.seen

@@ -39,6 +39,8 @@ class Here(Executor):
 
 
 class HerePool(pools.Pool):
+    width = 0.5  # one chunk is handed in after the other
+
     def __init__(self, workers=1):
         super().__init__(1)
 
@@ -73,8 +75,9 @@ def test_a_row_is_the_same_by_its_command_and_after_an_interruption(tmp_path, mo
     assert (nothing["safe"], guard["success"]) == (False, True)
     assert nothing["violation_depth"] > 0.01
     assert nothing["min_clearance"] < 0.0 < 0.01 <= guard["min_clearance"]
-    assert nothing["duration"] > 0.8 * nothing["ideal_duration"]
+    assert 0.5 < nothing["duration"] / nothing["ideal_duration"] < 1.0  # late, it brakes late
 
+    monkeypatch.setattr("farhand.trials.leaderboard.run_board.draw_figures", lambda rows, folder: [])
     command = command_of(SimpleNamespace(**guard), seed=1)
     assert run([*shlex.split(command)[1:], "--out", str(tmp_path / "again")]) == 0
     assert rows_in(tmp_path / "again") == [guard]
@@ -85,7 +88,7 @@ def test_a_row_is_the_same_by_its_command_and_after_an_interruption(tmp_path, mo
         if done:
             raise KeyboardInterrupt
         done.append(spec)
-        return running.witnessed(spec)[0]
+        return running.witnessed(spec)
 
     monkeypatch.setattr("farhand.trials.leaderboard.run_board.CHUNK", 1)
     with monkeypatch.context() as patched:
@@ -125,7 +128,7 @@ def test_a_method_of_ones_own_appears_in_the_same_table(tmp_path, monkeypatch):
         ("--methods", "nowhere:Method", "cannot be imported"),
         ("--methods", "json:JSONDecoder", "is no subclass of farhand.Method"),
         ("--operators", ",", "names none of tester"),
-        ("--tasks", "0", "x>=1"),
+        ("--tasks", "0", "greater than or equal to 1"),
     ],
 )
 def test_bad_input_is_one_line(option, value, says, capsys):
@@ -137,7 +140,7 @@ def test_bad_input_is_one_line(option, value, says, capsys):
 
 def test_cells_advance_together_and_arms_have_fewer_tasks():
     board = Board(tasks=10, scenes=("static", "ur5"), operators=("tester", "hostile"))
-    assert [len(board.tasks_of(s, o)) for s in board.scenes for o in board.operators] == [10, 5, 2, 1]
+    assert [len(board.tasks_of(s, o)) for s in board.scenes for o in board.operators] == [10, 2, 2, 1]
     jobs = board.pose_jobs()
     assert len(jobs) == len({job.key for job in jobs}) == 12
     assert {job.key for job in jobs[:8]} >= {"static/0", "ur5/0", "static/4"}
