@@ -6,7 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    Task,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from farhand.common.process.console import page, whole
 from farhand.common.process.outputs import survive
@@ -20,6 +27,8 @@ from farhand.laboratory.campaigns.table1 import Table1
 from farhand.laboratory.campaigns.table1_report import to_json, to_markdown, to_rich
 
 JSON, MARKDOWN = "table1.json", "table1.md"
+LONG, TOLD = 100, 50
+"""A campaign of so many runs tells a log so often how far it is."""
 
 
 def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
@@ -95,6 +104,8 @@ def run_with_progress(
                 if row.error:
                     bar.console.print(f"crashed: {row.key}, seed {row.seed}: {row.error}", highlight=False)
                 bar.advance(line)
+                if not console.is_terminal:
+                    _tell_the_file(bar.tasks[0], before, what, console)
 
             rows = run_campaign(jobs, store, pool, advance, chunk, work)
     except KeyboardInterrupt:
@@ -121,6 +132,23 @@ def run_with_progress(
         "virtual_time": sum(row.duration or 0.0 for row in new),
     }
     return rows, run
+
+
+def _tell_the_file(task: Task, before: int, what: str, console: Console) -> None:
+    """A line now and then where no bar can be drawn: into a log, of a campaign that takes long.
+
+    Args:
+        task: of the bar.
+        before: how many of its runs were there already.
+        what: is done, in a word.
+        console: the log.
+    """
+    total, done = round(task.total or 0), round(task.completed)
+    if total < LONG or done == total or done * TOLD // total == (done - 1) * TOLD // total:
+        return
+    elapsed = (task.elapsed or 0.0) / 60.0
+    left = elapsed * (total - done) / (done - before)
+    console.print(f"{what}: {done} of {total}, {elapsed:.1f} min elapsed, {left:.1f} left", highlight=False)
 
 
 def report_crashes(rows: Sequence[Kept], console: Console) -> None:
