@@ -1,8 +1,9 @@
 """Slower as the round trip grows: what those do by hand who drive a robot whose servo knows nothing of the network.
 
 speed = min(1, T / RTT) of what is asked, so that the way driven during a round trip never gets longer than at RTT = T.
-That speed and delay trade against each other this way is W. R. Ferrell's and T. B. Sheridan's "Supervisory control of
-remote manipulation", IEEE Spectrum 4(10), 1967; MoveIt Servo leaves the factor to its user (`scale.linear`).
+People slow down by themselves as the delay grows, and in the end move and wait: W. R. Ferrell, T. B. Sheridan,
+"Supervisory control of remote manipulation", IEEE Spectrum 4(10), 1967; MoveIt Servo leaves the factor to its user
+(`scale.linear`).
 """
 
 from dataclasses import replace
