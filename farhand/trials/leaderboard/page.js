@@ -1,7 +1,7 @@
 "use strict";
 // Which measure, how it is written, and how bad it is from 0 (good) to 1 (bad): the colour is one hue, pale to full.
 const pc = (v) => (v === 0 ? "0" : v > 0.99 && v < 1 ? Math.min(99.9, 100 * v).toFixed(1) : v < 0.01 ? (100 * v).toFixed(1) : (100 * v).toFixed(0));
-const mm = (v) => (1000 * v).toFixed(0);
+const mm = (v) => (1000 * v).toFixed(v !== 0 && Math.abs(v) < 0.001 ? 1 : 0);
 const clamp = (v) => Math.max(0, Math.min(1, v));
 const MEASURES = {
   safe: { says: "safe, %", text: pc, bad: (v) => clamp((1 - v) / 0.5), worst: "50 % and less", best: "all runs" },
@@ -16,7 +16,7 @@ const MEASURES = {
   stops: { says: "latched stops a run", text: (v) => v.toFixed(1), bad: (v) => clamp(v / 5), worst: "5 and more", best: "none" },
   smoothness: { says: "smoothness (spectral arc length)", text: (v) => v.toFixed(1), bad: (v) => clamp((-v - 2) / 6), worst: "−8 and less", best: "−2", maybe: true },
 };
-const state = { operator: BOARD.operators[0], measure: "safe", by: "scenes", other: "*", sort: null, down: false, cell: { method: BOARD.methods[BOARD.methods.length - 1], scene: "*", network: "*" } };
+const state = { operator: BOARD.operators[0], measure: "safe", by: "scenes", other: "*", sort: null, down: false, cell: { method: BOARD.methods.includes("both") ? "both" : BOARD.methods[0], scene: "*", network: "*" } };
 const at = (id) => document.getElementById(id);
 const make = (tag, set = {}, ...inner) => { const e = Object.assign(document.createElement(tag), set); e.append(...inner); return e; };
 const cellOf = (method, column) => {

@@ -1,4 +1,5 @@
-"""Which tasks there are: drawn from a seed until a perfect operator of ours, without any delay, can do one."""
+"""Which tasks there are: drawn from a seed until one needs care, and a perfect operator of ours, without any delay, can
+do it."""
 
 from typing import Any, ClassVar
 
@@ -6,11 +7,12 @@ import msgspec
 
 from farhand.common.errors import ScenarioError
 from farhand.common.seeds import stream
+from farhand.laboratory.simulation import SimulationResult
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings, scenario_to_table
 from farhand.trials.leaderboard.method import method_named
 from farhand.trials.leaderboard.scenes import SCENES
-from farhand.trials.leaderboard.witness import watched
+from farhand.trials.leaderboard.witness import Seen, watched
 
 MOST_DRAWS = 500
 IDEAL_LIMIT = 60.0
@@ -35,7 +37,7 @@ class Posed(msgspec.Struct, frozen=True, kw_only=True):
     """A task.
 
     Attributes:
-        unfit: draws that were thrown away as they did not hold what the scene promises.
+        unfit: draws that were thrown away as they did not hold what the scene promises, or nothing was in the way.
         undoable: draws that were thrown away as the ideal operator could not do them.
         duration, path_length: of the ideal operator, the quicker of IDEALS (s, m).
         scenario: as nested dictionaries.
@@ -81,6 +83,8 @@ def _pose(job: PoseJob) -> Posed:
         rng = stream(job.seed, "leaderboard", job.scene, str(job.index), str(attempt))
         try:
             scenario = scene.draw(rng)
+            if scenario is not None and not needs_care(scenario, job.index):
+                scenario = None
             done = None if scenario is None else ideal(scenario, job.index)
         except ScenarioError:  # out of the arm's reach, or in the way of its start
             scenario = done = None
@@ -104,18 +108,29 @@ def _pose(job: PoseJob) -> Posed:
     return lost(job, f"none of {MOST_DRAWS} draws could be done")
 
 
+def needs_care(scenario: Scenario, seed: int) -> bool:
+    """Whether a robot that does what the tester asks for, without any delay, comes too near to something."""
+    return _undelayed(scenario, "nothing", seed, sidestep=False)[1].body.count > 0
+
+
 def ideal(scenario: Scenario, seed: int) -> tuple[float, float] | None:
     """Duration (s) and path (m) of the ideal operator: the tester with side-steps, no delay, no computing time; None
     where neither the guard alone nor both layers bring it safely through."""
     found = []
     for name in IDEALS:
-        posed = method_named(name).applied_to(scenario)
-        posed = replace_settings(posed, {"steering.tester": {"sidestep": True}})
-        run = msgspec.structs.replace(
-            Run.over(posed, "none", seed=seed), time_limit=IDEAL_LIMIT, computing_time=(0.0,)
-        )
-        result, seen = watched(run, gives_up=True)
-        summary = result.summary
-        if summary.finished and not seen.body.count:
-            found.append((summary.duration, summary.path_length))
+        result, seen = _undelayed(scenario, name, seed, sidestep=True)
+        if result.summary.finished and not seen.body.count:
+            found.append((result.summary.duration, result.summary.path_length))
     return min(found, default=None)
+
+
+def _undelayed(
+    scenario: Scenario, method: str, seed: int, *, sidestep: bool
+) -> tuple[SimulationResult, Seen]:
+    posed = replace_settings(
+        method_named(method).applied_to(scenario), {"steering.tester": {"sidestep": sidestep}}
+    )
+    run = msgspec.structs.replace(
+        Run.over(posed, "none", seed=seed), time_limit=IDEAL_LIMIT, computing_time=(0.0,)
+    )
+    return watched(run, gives_up=True)

@@ -1,9 +1,8 @@
 """Where: kinds of scenes, each drawn from a seed. A draw that does not hold what its kind promises gives None.
 
-All promise that something is in the way: on the straight way from one target to the next, a robot that does what it is
-told comes nearer than d_min to what stands, or crosses the way of what moves. Scenes of the sphere lie in the xz-plane:
-the paper's box as a point with its radius and lag, decided at 10 Hz, moved and measured at 200 Hz. Scenes of arms stand
-on a table, at 500 Hz in PyBullet.
+All promise that something is in the way: on the straight line from one target to the next, or crossing it. Scenes of
+the sphere lie in the xz-plane: the paper's box as a point with its radius and lag, decided at 10 Hz, moved and measured
+at 200 Hz. Scenes of arms stand on a table, at 500 Hz in PyBullet.
 """
 
 import math

@@ -25,7 +25,9 @@ def percent(share: float | None) -> str:
 
 def millimetres(length: float | None) -> str:
     """A length in m as mm; a dash for nothing."""
-    return "–" if length is None else f"{length * 1e3:.0f}"
+    if length is None:
+        return "–"
+    return f"{length * 1e3:.1f}" if 0.0 < abs(length) < 1e-3 else f"{length * 1e3:.0f}"
 
 
 def by_method(rows: Sequence[Row]) -> Table:
