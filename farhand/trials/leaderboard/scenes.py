@@ -2,7 +2,7 @@
 
 All promise that something is in the way: on the straight line from one target to the next, or crossing it. Scenes of
 the sphere lie in the xz-plane: the paper's box as a point with its radius and lag, decided at 10 Hz, moved and measured
-at 200 Hz. Scenes of arms stand on a table, at 500 Hz in PyBullet.
+at 100 Hz. Scenes of arms stand on a table, at 500 Hz in PyBullet.
 """
 
 import math
@@ -26,7 +26,7 @@ from farhand.runs.scenario import Scenario, load_scenario
 from farhand.trials.safety.dead_ends import OUT_OF_PLANE, connected
 from farhand.trials.safety.scenes import draw_scene, sampled
 
-RATE_HZ = 200.0
+RATE_HZ = 100.0
 TARGETS = 2
 TRIES = 400
 D_MIN = ControllerSettings().d_min
