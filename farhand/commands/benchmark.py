@@ -61,5 +61,5 @@ def safety(
         only=task,
     )
     folder = out if out is not None else Path("runs") / f"{local_timestamp()}-safety"
-    pool = DaskPool(dask) if dask else LocalPool(workers)
+    pool = DaskPool(dask, "--dask") if dask else LocalPool(workers)
     raise typer.Exit(run_board(board, pool, folder, as_json=as_json))
