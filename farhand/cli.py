@@ -16,6 +16,7 @@ from farhand.commands.recordings import register as register_recordings
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
+from farhand.commands.ur import ur_app
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.process.signals import die_with_parent, interrupt_on_signals, say
 from farhand.common.process.terminal import spare_the_terminal
@@ -45,6 +46,7 @@ app.add_typer(trace_app, name="trace")
 app.add_typer(trial_app, name="trial")
 app.add_typer(certs_app, name="certs")
 app.add_typer(arm_app, name="arm")
+app.add_typer(ur_app, name="ur")
 
 
 def run_program() -> int:
