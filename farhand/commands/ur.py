@@ -7,7 +7,8 @@ import typer
 from farhand.common.errors import InputError
 
 ur_app = typer.Typer(
-    help="A real UR arm: check it, recover it, rehearse on an emulated one (docs/ur.md).", no_args_is_help=True
+    help="A real UR arm: check it, recover it, rehearse on an emulated one (docs/ur.md).",
+    no_args_is_help=True,
 )
 
 

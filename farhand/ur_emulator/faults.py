@@ -43,15 +43,25 @@ class FaultCommands:
         self._watch: Watch | None = None
         do = self._simply
         self.commands: dict[str, Fault] = {
-            "protective-stop": Fault("", "the arm stops as after a collision", do(lambda: controller.protective_stop("commanded"))),
-            "unlock": Fault("", "clears it, 5 s after at the earliest", lambda _: controller.unlock_protective_stop()),
+            "protective-stop": Fault(
+                "", "the arm stops as after a collision", do(lambda: controller.protective_stop("commanded"))
+            ),
+            "unlock": Fault(
+                "", "clears it, 5 s after at the earliest", lambda _: controller.unlock_protective_stop()
+            ),
             "estop": Fault("", "the red button is pressed", do(lambda: controller.emergency_stop(True))),
-            "estop-release": Fault("", "it is let go; the arm has no power then", do(lambda: controller.emergency_stop(False))),
-            "safeguard-open": Fault("", "somebody opens the cell's door", do(lambda: controller.safeguard(True))),
+            "estop-release": Fault(
+                "", "it is let go; the arm has no power then", do(lambda: controller.emergency_stop(False))
+            ),
+            "safeguard-open": Fault(
+                "", "somebody opens the cell's door", do(lambda: controller.safeguard(True))
+            ),
             "safeguard-close": Fault("", "it is closed", do(lambda: controller.safeguard(False))),
             "local": Fault("", "the pendant takes local control; the program ends", self._local),
             "remote": Fault("", "it gives control to the network again", self._remote),
-            "freedrive": Fault("", "the arm is led by hand; the program pauses", do(lambda: controller.freedrive(True))),
+            "freedrive": Fault(
+                "", "the arm is led by hand; the program pauses", do(lambda: controller.freedrive(True))
+            ),
             "freedrive-end": Fault("", "it is let go", do(lambda: controller.freedrive(False))),
             "pause": Fault("", "somebody presses pause at the pendant", do(controller.pause)),
             "play": Fault("", "somebody presses play", do(controller.play)),
@@ -65,7 +75,9 @@ class FaultCommands:
             "latency": Fault("SECONDS", "of the cable, each way", self._latency),
             "payload": Fault("KG", "somebody sets another payload at the pendant", self._payload),
             "status": Fault("", "says how it is", lambda _: self._status()),
-            "standstill": Fault("", "says how long the arm moved on after the last command", lambda _: self._standstill()),
+            "standstill": Fault(
+                "", "says how long the arm moved on after the last command", lambda _: self._standstill()
+            ),
             "after": Fault("SECONDS COMMAND", "does COMMAND later", self._after),
             "help": Fault("", "says this", lambda _: self._help()),
         }
@@ -178,7 +190,9 @@ class FaultCommands:
         return "moves" if self._stood is None else f"{self._stood:.3f} s"
 
     def _help(self) -> str:
-        return "; ".join(f"{f'{word} {each.takes}'.rstrip()}: {each.does}" for word, each in self.commands.items())
+        return "; ".join(
+            f"{f'{word} {each.takes}'.rstrip()}: {each.does}" for word, each in self.commands.items()
+        )
 
 
 class FaultHandler(Handler):

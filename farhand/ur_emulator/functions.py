@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from farhand.robot_side.arm.kinematics import Kinematics
-from farhand.ur_emulator import poses
+from farhand.robot_side.ur import poses
 from farhand.ur_emulator.controller import Controller
 from farhand.ur_emulator.sockets import ProgramSockets
 
@@ -50,7 +50,9 @@ class Functions:
                 "protective_stop": lambda: controller.protective_stop("a program asked for it"),
                 "read_input_integer_register": lambda i: registers.inputs[f"input_int_register_{int(i)}"],
                 "read_input_float_register": lambda i: registers.inputs[f"input_double_register_{int(i)}"],
-                "write_output_integer_register": lambda i, v: _write(registers.outputs, f"int_register_{int(i)}", int(v)),
+                "write_output_integer_register": lambda i, v: _write(
+                    registers.outputs, f"int_register_{int(i)}", int(v)
+                ),
                 "write_output_float_register": lambda i, v: _write(
                     registers.outputs, f"double_register_{int(i)}", float(v)
                 ),
@@ -152,13 +154,17 @@ class Functions:
         """Where it is going: here, where it is."""
         return self.get_actual_tcp_pose()
 
-    def get_forward_kin(self, q: Sequence[float] | None = None, tcp: Sequence[float] | None = None) -> poses.Pose:
+    def get_forward_kin(
+        self, q: Sequence[float] | None = None, tcp: Sequence[float] | None = None
+    ) -> poses.Pose:
         """Pose of the tool's centre point at joint positions."""
         controller = self._controller
         at = controller.physics.q if q is None else np.array(q, dtype=float)
         return poses.tcp_pose(controller.arm, at, controller.tcp if tcp is None else tcp)
 
-    def get_inverse_kin(self, x: Sequence[float], qnear: Sequence[float] | None = None, *_: float) -> list[float]:
+    def get_inverse_kin(
+        self, x: Sequence[float], qnear: Sequence[float] | None = None, *_: float
+    ) -> list[float]:
         """Joint positions of a pose; the program ends where there are none."""
         found = self._inverse(x, qnear)
         if found is None:
@@ -226,7 +232,9 @@ class Functions:
         """There is nothing that it could touch."""
         return 0
 
-    def socket_open(self, address: str, port: int, socket_name: str = "socket_0") -> Generator[None, None, bool]:
+    def socket_open(
+        self, address: str, port: int, socket_name: str = "socket_0"
+    ) -> Generator[None, None, bool]:
         """Connect to a server; whether it answered within 2 s."""
         if not self._sockets.open(address, int(port), socket_name):
             return False

@@ -18,7 +18,7 @@ from farhand.common.timing.loop import RealtimeLoop
 from farhand.robot_side.arm.model import ArmModel, model
 from farhand.ur_emulator.controller import Controller
 from farhand.ur_emulator.emulator import Emulator, Ports
-from farhand.ur_emulator.models import EmulatedModel
+from farhand.ur_emulator.models import E_SERIES, SLOWEST, EmulatedModel
 
 SERIAL = "20260000001"
 
@@ -57,7 +57,8 @@ def emulator_program(options: EmulatorOptions) -> int:
     teller = Teller("ur emulator")
     commands: queue.SimpleQueue[str] = queue.SimpleQueue()
     rate = options.rate_hz or options.model.rate_hz
-    controller = Controller(arm, q, rate, options.model.version, teller.say)
+    version = options.model.version if rate <= SLOWEST else E_SERIES
+    controller = Controller(arm, q, rate, version, teller.say)
     controller.remote = not options.local
     emulator = Emulator(
         controller,
@@ -68,17 +69,14 @@ def emulator_program(options: EmulatorOptions) -> int:
         lambda: _waiting(commands),
     )
     try:
-        version = ".".join(map(str, options.model.version[:2]))
         teller.say(
-            f"{options.model.title} with software {version}, {rate:g} Hz, at {options.address}; "
+            f"{options.model.title} with software {'.'.join(map(str, version[:2]))}, {rate:g} Hz, at {options.address}; "
             "commands on this terminal: help says which; Ctrl-C ends it"
         )
         for line in options.then:
             commands.put(line)
         _read_terminal(commands.put)
-        RealtimeLoop(
-            emulator, clock, realtime=options.realtime, until=lambda _: stop_event.is_set()
-        ).run()
+        RealtimeLoop(emulator, clock, realtime=options.realtime, until=lambda _: stop_event.is_set()).run()
     finally:
         emulator.close()
         teller.close()

@@ -21,10 +21,12 @@ class EmulatedModel:
     version: tuple[int, int, int, int]
 
 
-_CB3 = 125.0, (3, 15, 8, 106339)
-_E_SERIES = 500.0, (5, 12, 0, 1101319)
+SLOWEST = 125.0
+"""Hz, up to which a controller is one of the series before the e-Series."""
+CB3, E_SERIES = (3, 15, 8, 106339), (5, 12, 0, 1101319)
+"""Versions of their software."""
 MODELS = {
-    **{f"ur{size}": EmulatedModel(f"ur{size}", f"UR{size}", *_CB3) for size in (3, 5, 10)},
+    **{f"ur{size}": EmulatedModel(f"ur{size}", f"UR{size}", SLOWEST, CB3) for size in (3, 5, 10)},
 }
 
 

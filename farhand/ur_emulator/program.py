@@ -47,7 +47,9 @@ class Program:
             ("copied", _copied),
         )  # fmt: skip
         space.update({f"b_{name}": function for name, function in own})
-        exec(translation.code, space)  # names are prefixed and calls are of `functions` alone: see urscript.py
+        exec(
+            translation.code, space
+        )  # names are prefixed and calls are of `functions` alone: see urscript.py
         self._threads = [Thread(space[f"f_{translation.main}"]())]
 
     def cycle(self) -> None:

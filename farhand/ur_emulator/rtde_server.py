@@ -4,7 +4,7 @@ import struct
 from collections.abc import Callable
 
 from farhand.ur_emulator.controller import Controller
-from farhand.ur_emulator.rtde_codec import (
+from farhand.robot_side.ur.rtde_codec import (
     DATA,
     IN_USE,
     INPUTS,

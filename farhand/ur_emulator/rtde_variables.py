@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from farhand.ur_emulator import poses
+from farhand.robot_side.ur import poses
 from farhand.ur_emulator.controller import Controller, RobotMode, Runtime, SafetyMode
 
 Getter = Callable[[Controller], Any]

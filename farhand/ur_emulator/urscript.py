@@ -83,7 +83,9 @@ class Translator:
             raise ScriptError(f"line {first.line}: a program begins with def or sec, not {first.text!r}")
         main = self._function(top=True)
         if self._peek().kind != "over":
-            raise ScriptError(f"line {self._peek().line}: {self._peek().text!r} stands behind the program's end")
+            raise ScriptError(
+                f"line {self._peek().line}: {self._peek().text!r} stands behind the program's end"
+            )
         lines = []
         for name, parameters, body, scope in self._functions:
             shared = sorted((scope.assigned - scope.own) & self._globals)

@@ -129,7 +129,9 @@ class Server:
             self._socket.bind((address, port))
         except OSError as error:
             self._socket.close()
-            raise EndpointError(f"{name} port {port} of {address}: {error.strerror}; choose another") from None
+            raise EndpointError(
+                f"{name} port {port} of {address}: {error.strerror}; choose another"
+            ) from None
         self._socket.listen(16)
         self._socket.setblocking(False)
         self._selector = selectors.DefaultSelector()
