@@ -35,10 +35,11 @@ def measured_deadline(link: UrLink, settings: UrSettings, clock: SystemClock) ->
     why = _until_ready(link, clock)
     if why:
         return [f"deadline: not measured, since {why}"]
-    _speak(link, clock)
-    silent = _silence(link, clock)
+    silent = _silence(link, clock, _speak(link, clock))
     if silent is None:
         return ["deadline: NOT KEPT: the controller's program went on without messages; do not drive"]
+    link.try_again()
+    _until_ready(link, clock)
     braking = brake_time(settings, 1.0 / link.client.rate_hz)
     return [
         f"deadline: the controller's own program, by an ordinary stop: measured {silent:.3f} s from the last message to "
@@ -58,16 +59,20 @@ def _until_ready(link: UrLink, clock: SystemClock) -> str:
         clock.sleep_until(now_ns + to_ns(STEP))
 
 
-def _speak(link: UrLink, clock: SystemClock) -> None:
+def _speak(link: UrLink, clock: SystemClock) -> int:
+    """Messages for a while; returns when the last one went (ns)."""
     end_ns = clock.now_ns() + to_ns(SPEAKS_FOR)
+    last_ns = clock.now_ns()
     while (now_ns := clock.now_ns()) < end_ns:
         link.poll(now_ns, starts=False)
         link.send([0.0] * 6, now_ns)
+        last_ns = now_ns
         clock.sleep_until(now_ns + to_ns(2 * STEP))
+    return last_ns
 
 
-def _silence(link: UrLink, clock: SystemClock) -> float | None:
-    last_ns = clock.now_ns()
+def _silence(link: UrLink, clock: SystemClock, last_ns: int) -> float | None:
+    """How long after `last_ns` the program stopped (s); None: it did not."""
     while True:
         now_ns = clock.now_ns()
         facts = link.poll(now_ns, starts=False)

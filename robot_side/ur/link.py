@@ -74,6 +74,10 @@ class UrLink:
             while len(self._sent_ns) > 1000:
                 self._sent_ns.pop(next(iter(self._sent_ns)))
 
+    def try_again(self) -> None:
+        """Start the program with the next poll, however short ago it was started."""
+        self._tried_ns = None
+
     def end_program(self) -> None:
         """Have the program brake and end."""
         self._number = self._number % LARGEST + 1
