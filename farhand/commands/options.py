@@ -146,11 +146,11 @@ def chosen_scenario(
     return at_the_rate_of_its_device(replace_settings(load_scenario(name), replaced))
 
 
-def on_a_real_arm(scenario: "Scenario", host: str) -> "Scenario":
+def on_a_real_arm(scenario: "Scenario", host: str, model: str = "") -> "Scenario":
     """The scenario with the real UR arm behind `host` in place of its own; raises InputError where that is no UR."""
     from farhand.runs.scenario import replace_settings
 
-    model = scenario.robot.known_model
+    model = model or scenario.robot.known_model
     if not model.startswith("ur"):
         raise InputError(
             f"--host {host}: scenario {scenario.name} has no UR arm: say robot.model, such as ur5"

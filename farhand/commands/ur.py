@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from farhand.commands.options import JsonOption, SetOption, chosen_scenario, on_a_real_arm
 from farhand.common.errors import InputError
 
 ur_app = typer.Typer(
@@ -62,6 +63,69 @@ def emulator(
         realtime=realtime,
     )
     raise typer.Exit(emulator_program(options))
+
+
+HostOption = Annotated[str, typer.Option("--host", help="Address of the arm's controller.")]
+
+
+@ur_app.command()
+def check(
+    host: HostOption,
+    scenario: Annotated[
+        str,
+        typer.Option("--scenario", help="Scenario that shall be run: its model, payload, tool, deadline."),
+    ] = "",
+    model: Annotated[str, typer.Option("--model", help="Which arm it shall be, such as ur5.")] = "",
+    settings: SetOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Look whether a UR arm can be driven from here, and say what to do about what is in the way. Moves nothing.
+
+    Exit code 0: nothing is in the way. 1: something is. 2: bad input.
+    """
+    from farhand.common.scenario.section import checked_settings
+    from farhand.robot_side.robots.arms import chosen_arm
+    from farhand.robot_side.robots.ur_arm import UrRobot
+    from farhand.robot_side.ur.settings import UrSettings
+    from farhand.runs.scenario import load_scenario
+    from farhand.site.ur.check import run_check
+
+    if not host:
+        raise InputError("--host: is empty; give the address of the arm's controller")
+    if not scenario and not model:
+        if settings:
+            raise InputError("--set: goes with --scenario")
+        lag = load_scenario("ur5-obstacle").robot.lag
+        raise typer.Exit(run_check(host, None, UrSettings(), lag, as_json))
+    if scenario and model:
+        raise InputError("ur check: give either --scenario or --model; a scenario has a model")
+    chosen = chosen_scenario(scenario or "ur5-obstacle", settings)
+    chosen = on_a_real_arm(chosen, host, model)
+    own: UrSettings = checked_settings(chosen.robot.own.get("ur", {}), UrRobot, "robot.ur")
+    raise typer.Exit(run_check(host, chosen_arm(chosen.robot), own, chosen.robot.lag, as_json))
+
+
+@ur_app.command()
+def recover(
+    host: HostOption,
+    patience: Annotated[
+        float,
+        typer.Option("--patience", min=1, max=86_400, help="How long to wait for somebody at the arm, s."),
+    ] = 300.0,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask: somebody has looked at the arm.")] = False,
+) -> None:
+    """Walk through what clears a stopped arm: unlock it, power it on, end its paused program. Moves nothing.
+
+    It asks before it unlocks a stop or powers on. Exit code 0: it can be driven again, after an operator's
+    acknowledgement. 1: it cannot. 2: bad input.
+    """
+    from farhand.site.ur.recover import run_recover
+
+    if not host:
+        raise InputError("--host: is empty; give the address of the arm's controller")
+    raise typer.Exit(
+        run_recover(host, patience, lambda _: yes or typer.confirm("go on?", default=False, err=True))
+    )
 
 
 def _angles(text: str) -> tuple[float, ...] | None:

@@ -1,1 +1,1 @@
-"""An emulated controller of a UR arm on loopback: its ports, its programs, its arm in PyBullet, its faults on command."""
+"""An emulated controller of a UR arm on loopback: ports, programs, an arm in PyBullet, faults on command."""

@@ -1,4 +1,4 @@
-"""The emulated controller: modes of robot and safety, the program, the watchdog, registers; told the cycles one by one."""
+"""The emulated controller: modes of robot and safety, program, watchdog, registers; told its cycles one by one."""
 
 from collections.abc import Callable
 from enum import IntEnum
@@ -110,6 +110,7 @@ class Controller:
         self.program: Program | None = None
         self.listeners: list[Callable[[], None]] = []
         self.watchdog: Watchdog | None = None
+        self._secondary: list[Program] = []
         self._stopped_at = 0.0  # the last protective stop
         self._next_mode: tuple[float, RobotMode] | None = None
 
@@ -132,12 +133,19 @@ class Controller:
             self.program.cycle()
             if not self.program.running:
                 self._finish(self.program)
+        for secondary in self._secondary:
+            secondary.cycle()
+        self._secondary = [each for each in self._secondary if each.running]
         self._move()
 
     def start_program(self, program: Program) -> None:
         """Run a program in place of the one that runs."""
         self.end_program()
         self.program, self.runtime = program, Runtime.PLAYING
+
+    def run_secondary(self, program: Program) -> None:
+        """Run a secondary program beside the one that runs; it may not move the arm."""
+        self._secondary.append(program)
 
     def end_program(self) -> None:
         """Stop the program, if there is one; the arm brakes."""
@@ -178,7 +186,10 @@ class Controller:
         if self.safety_mode != SafetyMode.PROTECTIVE_STOP:
             return "Protective stop releasing"
         if self.now - self._stopped_at < UNLOCK_AFTER:
-            return "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of protective stop before unlocking"
+            return (
+                "Cannot unlock protective stop until 5s after occurrence. "
+                "Always inspect cause of protective stop before unlocking"
+            )
         self.safety_mode = SafetyMode.NORMAL
         self.say("protective stop unlocked")
         return "Protective stop releasing"

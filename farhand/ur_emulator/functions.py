@@ -39,7 +39,7 @@ class Functions:
     def table(self) -> dict[str, Callable[..., Any]]:
         """By the names that programs use."""
         controller, registers = self._controller, self._controller.registers
-        found: dict[str, Callable[..., Any]] = {name: _nothing for name in NOTHING}
+        found: dict[str, Callable[..., Any]] = dict.fromkeys(NOTHING, _nothing)
         found.update({name: getattr(self, name) for name in dir(self) if name[0] != "_" and name != "table"})
         found.update(
             {

@@ -70,8 +70,8 @@ def emulator_program(options: EmulatorOptions) -> int:
     )
     try:
         teller.say(
-            f"{options.model.title} with software {'.'.join(map(str, version[:2]))}, {rate:g} Hz, at {options.address}; "
-            "commands on this terminal: help says which; Ctrl-C ends it"
+            f"{options.model.title} with software {'.'.join(map(str, version[:2]))}, {rate:g} Hz, at {options.address}; faults "
+            "on this terminal: help says which; Ctrl-C ends it"
         )
         for line in options.then:
             commands.put(line)

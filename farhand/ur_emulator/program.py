@@ -18,10 +18,6 @@ class Thread:
         self.ended = False
 
 
-class Halted(Exception):
-    """The program ends itself."""
-
-
 class Program:
     """One program, from its upload to its end. What goes wrong in it ends it and is in `error`.
 
@@ -39,6 +35,7 @@ class Program:
         self._critical: Thread | None = None
         self._current: Thread | None = None
         self._spent = 0
+        self._halted = False
         space: dict[str, Any] = {"__builtins__": {"bool": bool}}
         space.update({f"b_{name}": function for name, function in functions.items()})
         own = (
@@ -50,7 +47,8 @@ class Program:
         exec(
             translation.code, space
         )  # names are prefixed and calls are of `functions` alone: see urscript.py
-        self._threads = [Thread(space[f"f_{translation.main}"]())]
+        self._main = Thread(space[f"f_{translation.main}"]())
+        self._threads = [self._main]
 
     def cycle(self) -> None:
         """Let every thread run until it waits."""
@@ -72,20 +70,14 @@ class Program:
     def _resume(self, thread: Thread) -> None:
         try:
             next(thread.steps)
-            return
         except StopIteration:
-            pass
-        except Halted:
-            self.end()
-            return
+            thread.ended = True
         except Exception as error:  # whatever a program does: its own fault ends it, not the controller
             self.error = f"{type(error).__name__}: {error}"
-            self.end()
-            return
-        thread.ended = True
-        if self._critical is thread:
+            self._halted = True
+        if thread.ended and self._critical is thread:
             self._critical = None
-        if thread is self._threads[0]:
+        if self._halted or (thread.ended and thread is self._main):
             self.end()
 
     def _run(self, function: Callable[[], Generator[None, None, Any]]) -> Thread:
@@ -109,7 +101,7 @@ class Program:
             yield
 
     def _halt(self) -> Generator[None, None, None]:
-        raise Halted
+        self._halted = True
         yield
 
     def _enter(self) -> None:

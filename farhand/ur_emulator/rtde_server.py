@@ -3,7 +3,6 @@
 import struct
 from collections.abc import Callable
 
-from farhand.ur_emulator.controller import Controller
 from farhand.robot_side.ur.rtde_codec import (
     DATA,
     IN_USE,
@@ -15,12 +14,13 @@ from farhand.robot_side.ur.rtde_codec import (
     TEXT,
     URCONTROL,
     VERSION,
-    BrokenStream,
+    BrokenStreamError,
     Package,
     Recipe,
     pack,
     take,
 )
+from farhand.ur_emulator.controller import Controller
 from farhand.ur_emulator.rtde_variables import Getter, input_type, output_of
 from farhand.ur_emulator.wire import Connection, Handler
 
@@ -64,7 +64,7 @@ class RtdeHandler(Handler):
         try:
             for package in take(self._buffer):
                 self._handle(package, now)
-        except (BrokenStream, struct.error, UnicodeDecodeError) as error:
+        except (BrokenStreamError, struct.error, UnicodeDecodeError) as error:
             self._controller.say(f"RTDE: a client is let go: {error}")
             self.connection.close()
 
@@ -90,7 +90,7 @@ class RtdeHandler(Handler):
         if answer is not None:
             self.connection.send(pack(package.kind, answer(package.payload)), now)
         elif package.kind != TEXT:
-            raise BrokenStream(f"a package of kind {package.kind}")
+            raise BrokenStreamError(f"a package of kind {package.kind}")
 
     def _version(self, payload: bytes) -> bytes:
         (wanted,) = struct.unpack(">H", payload)
@@ -130,7 +130,7 @@ class RtdeHandler(Handler):
     def _take_inputs(self, payload: bytes) -> None:
         recipe = self._inputs.get(payload[0]) if payload else None
         if recipe is None:
-            raise BrokenStream("inputs of a recipe that was not set up")
+            raise BrokenStreamError("inputs of a recipe that was not set up")
         values = dict(zip(recipe.names, recipe.unpack(payload), strict=True))
         inputs = self._controller.registers.inputs
         for name, value in values.items():

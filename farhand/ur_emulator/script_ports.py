@@ -57,4 +57,8 @@ class ScriptHandler(Handler):
         except ScriptError as error:
             controller.say(f"a program is refused: {error}")
             return
-        controller.start_program(Program(translation, functions))
+        program = Program(translation, functions)
+        if translation.secondary:
+            controller.run_secondary(program)
+        else:
+            controller.start_program(program)

@@ -1,10 +1,11 @@
-"""URScript, translated into Python: every function and thread becomes a generator that yields once a controller cycle.
+"""URScript, translated into Python: functions and threads become generators that yield once a controller cycle.
 
-Enough of the language for the programs that clients upload: def, thread, sec, if, while, return, break, continue, global
-and local variables, lists and poses, run, kill, join, critical sections, calls by position and by name. Names get a prefix
-and nothing else of the text reaches the Python code, so that a program can only call what the emulator offers it.
+Enough of the language for the programs that clients upload: def, thread, sec, if, while, return, break, continue,
+global and local variables, lists and poses, run, kill, join, critical sections, calls by position and by name. Names
+get a prefix and nothing else of the text reaches the Python code: a program calls only what the emulator offers it.
 """
 
+import itertools
 import re
 from collections.abc import Callable, Iterable
 from types import CodeType
@@ -95,8 +96,7 @@ class Translator:
         return "\n".join(lines), main, first.text == "sec"
 
     def _find_defined(self) -> set[str]:
-        words = self._tokens
-        pairs = zip(words, words[1:], strict=False)
+        pairs = itertools.pairwise(self._tokens)
         return {b.text for a, b in pairs if a.text in ("def", "thread", "sec") and b.kind == "name"}
 
     def _peek(self) -> Token:

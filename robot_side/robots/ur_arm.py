@@ -62,7 +62,7 @@ class UrRobot(Robot):
 
     @classmethod
     def for_scenario(cls, scenario: RobotScenario) -> "UrRobot":
-        """Connect, look, measure the deadline while the arm stands. Raises InputError, in one line, where it must not."""
+        """Connect, look, measure the deadline while the arm stands. Raises InputError where it must not be driven."""
         own: UrSettings = own_settings(scenario.robot, cls, "robot")
         host = scenario.robot.host or ""
         acceleration = float(chosen_arm(scenario.robot).max_acceleration.max())

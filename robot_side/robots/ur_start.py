@@ -93,8 +93,8 @@ def _check_model(scenario: RobotScenario, facts: Facts, host: str) -> None:
     away = _apart(arm, facts, tcp)
     if away > SAME_PLACE:
         raise InputError(
-            f"robot.model: by the {arm.title}'s kinematics the tool is {away * 1e3:.0f} mm from where the controller at "
-            f"{host} has it: it is another arm"
+            f"robot.model: by the {arm.title}'s kinematics the tool is {away * 1e3:.0f} mm from where the controller "
+            f"at {host} has it: it is another arm"
         )
 
 

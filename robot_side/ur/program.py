@@ -14,6 +14,8 @@ INPUTS = (
     *(f"input_double_register_{i}" for i in range(24, 30)),
 )  # fmt: skip
 """Number, deadline (ms; 0: end), run, and joint speeds (rad/s)."""
+LIMITS = "output_int_register_27"
+"""What a secondary program found of the controller's own limits."""
 HEARD, RUN, ENDED = "output_int_register_24", "output_int_register_25", "output_int_register_26"
 """Number of the newest message obeyed; the run, while it runs; why it ended."""
 BY_DEADLINE, AS_TOLD = 1, 2

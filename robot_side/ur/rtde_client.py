@@ -17,7 +17,7 @@ from farhand.robot_side.ur.rtde_codec import (
     START,
     URCONTROL,
     VERSION,
-    BrokenStream,
+    BrokenStreamError,
     Package,
     Recipe,
     pack,
@@ -60,7 +60,7 @@ class RtdeClient:
         arrived_ns: when they came; None before the first.
         version: of the controller's software, such as (5, 12, 0, 1101319); None before it is known.
         trouble: why there is no connection, for people; empty while there is one.
-        packages: data packages received on all connections so far.
+        fresh: the values of every data package that the last poll brought, in order.
     """
 
     def __init__(self, host: str, wanted: Wanted, port: int = RTDE_PORT) -> None:
@@ -78,7 +78,7 @@ class RtdeClient:
         self.arrived_ns: int | None = None
         self.version: tuple[int, int, int, int] | None = None
         self.trouble = "not connected yet"
-        self.packages = 0
+        self.fresh: list[dict[str, Any]] = []
         self._answers: dict[int, Callable[[bytes, int], None]] = {
             VERSION: self._on_version,
             URCONTROL: self._on_control_version,
@@ -100,7 +100,7 @@ class RtdeClient:
 
     def poll(self, now_ns: int) -> int:
         """Go on with whatever is due; returns how many data packages came."""
-        before = self.packages
+        self.fresh = []
         if self._socket is None:
             if self._again_ns is None or now_ns >= self._again_ns:
                 self._connect(now_ns)
@@ -110,11 +110,11 @@ class RtdeClient:
                 return 0
             self._flush()
             self._read(now_ns)
-        except (OSError, BrokenStream, struct.error, UnicodeDecodeError) as error:
+        except (OSError, BrokenStreamError, struct.error, UnicodeDecodeError) as error:
             self._give_up(_words(error), now_ns)
         if self._socket is not None and not self._started and now_ns - self._progress_ns > to_ns(PATIENCE):
             self._give_up("it does not answer", now_ns)
-        return self.packages - before
+        return len(self.fresh)
 
     def send(self, values: Sequence[Any]) -> bool:
         """Send the inputs; whether that could be done at once and whole."""
@@ -197,7 +197,7 @@ class RtdeClient:
 
     def _on_version(self, payload: bytes, now_ns: int) -> None:
         if payload[:1] != b"\1":
-            raise BrokenStream("its RTDE is older than version 2")
+            raise BrokenStreamError("its RTDE is older than version 2")
         self._unsent += pack(URCONTROL)
 
     def _on_control_version(self, payload: bytes, now_ns: int) -> None:
@@ -210,10 +210,10 @@ class RtdeClient:
     def _on_outputs(self, payload: bytes, now_ns: int) -> None:
         types = payload[1:].decode().split(",")
         if len(types) != len(self._names):
-            raise BrokenStream("its answer to the outputs is none")
+            raise BrokenStreamError("its answer to the outputs is none")
         missing = {name for name, kind in zip(self._names, types, strict=True) if kind == NOT_FOUND}
         if missing - set(self._wanted.optional):
-            raise BrokenStream(f"it has no {sorted(missing)[0]}")
+            raise BrokenStreamError(f"it has no {sorted(missing)[0]}")
         if missing:
             self._names = tuple(name for name in self._names if name not in missing)
             self._ask_outputs()
@@ -227,15 +227,17 @@ class RtdeClient:
     def _on_inputs(self, payload: bytes, now_ns: int) -> None:
         types = payload[1:].decode().split(",")
         if IN_USE in types:
-            raise BrokenStream("another client is in control: it owns the input registers that Farhand needs")
+            raise BrokenStreamError(
+                "another client is in control: it owns the input registers that Farhand needs"
+            )
         if NOT_FOUND in types or len(types) != len(self._wanted.inputs):
-            raise BrokenStream("it lacks the input registers that Farhand needs")
+            raise BrokenStreamError("it lacks the input registers that Farhand needs")
         self._inputs = Recipe(payload[0], self._wanted.inputs, types)
         self._unsent += pack(START)
 
     def _on_start(self, payload: bytes, now_ns: int) -> None:
         if payload[:1] != b"\1":
-            raise BrokenStream("it does not start to send")
+            raise BrokenStreamError("it does not start to send")
         self._started, self.trouble = True, ""
 
     def _on_data(self, payload: bytes, now_ns: int) -> None:
@@ -243,7 +245,7 @@ class RtdeClient:
             return
         self.values = dict(zip(self._names, self._outputs.unpack(payload), strict=True))
         self.arrived_ns = now_ns
-        self.packages += 1
+        self.fresh.append(self.values)
 
     def _give_up(self, why: str, now_ns: int) -> None:
         self.close()
@@ -251,7 +253,7 @@ class RtdeClient:
 
 
 def _words(error: Exception) -> str:
-    if isinstance(error, BrokenStream | struct.error | UnicodeDecodeError):
+    if isinstance(error, BrokenStreamError | struct.error | UnicodeDecodeError):
         return str(error)
     number = getattr(error, "errno", None)
     return {

@@ -32,7 +32,7 @@ FORMATS = {
 NOT_FOUND, IN_USE = "NOT_FOUND", "IN_USE"
 
 
-class BrokenStream(ValueError):
+class BrokenStreamError(ValueError):
     """What came is no sequence of packages; the connection is of no further use."""
 
 
@@ -50,12 +50,12 @@ def pack(kind: int, payload: bytes = b"") -> bytes:
 
 
 def take(buffer: bytearray) -> list[Package]:
-    """All whole packages at the beginning of `buffer`, which loses them; raises BrokenStream."""
+    """All whole packages at the beginning of `buffer`, which loses them; raises BrokenStreamError."""
     found = []
     while len(buffer) >= HEADER.size:
         size, kind = HEADER.unpack_from(buffer)
         if size < HEADER.size:
-            raise BrokenStream(f"a package of {size} bytes")
+            raise BrokenStreamError(f"a package of {size} bytes")
         if len(buffer) < size:
             break
         found.append(Package(kind, bytes(buffer[HEADER.size : size])))
@@ -87,13 +87,13 @@ class Recipe:
         return self._struct.pack(self.number, *flat)
 
     def unpack(self, payload: bytes) -> list[Value]:
-        """The values of a data package's payload; raises BrokenStream where it does not fit the recipe."""
+        """The values of a data package's payload; raises BrokenStreamError where it does not fit the recipe."""
         try:
             number, *flat = self._struct.unpack(payload)
         except struct.error as error:
-            raise BrokenStream(f"a data package that does not fit its recipe: {error}") from None
+            raise BrokenStreamError(f"a data package that does not fit its recipe: {error}") from None
         if number != self.number:
-            raise BrokenStream(f"a data package of recipe {number}, not {self.number}")
+            raise BrokenStreamError(f"a data package of recipe {number}, not {self.number}")
         values: list[Value] = []
         at = 0
         for length in self._lengths:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from farhand.robot_side.ur.program import AS_TOLD, BY_DEADLINE, ENDED, HEARD, RUN
+from farhand.robot_side.ur.program import AS_TOLD, BY_DEADLINE, ENDED, HEARD, LIMITS, RUN
 
 ROBOT_MODES = {
     -1: "no controller", 0: "disconnected", 1: "to be confirmed", 2: "booting", 3: "power off", 4: "power on",
@@ -24,7 +24,7 @@ FULL = 0.995
 
 OUTPUTS = (
     "timestamp", "actual_q", "actual_qd", "robot_mode", "safety_mode", "runtime_state", "robot_status_bits",
-    "speed_scaling", "target_speed_fraction", HEARD, RUN, ENDED, "payload", "payload_cog", "tcp_offset",
+    "speed_scaling", "target_speed_fraction", HEARD, RUN, ENDED, LIMITS, "payload", "payload_cog", "tcp_offset",
     "actual_TCP_pose",
 )  # fmt: skip
 OPTIONAL = ("payload", "payload_cog", "tcp_offset")
