@@ -78,6 +78,7 @@ class FaultCommands:
             "standstill": Fault(
                 "", "says how long the arm moved on after the last command", lambda _: self._standstill()
             ),
+            "mark": Fault("", "nothing, but standstill counts from here", do(lambda: None)),
             "after": Fault("SECONDS COMMAND", "does COMMAND later", self._after),
             "help": Fault("", "says this", lambda _: self._help()),
         }
@@ -97,7 +98,7 @@ class FaultCommands:
         if bool(rest) != bool(fault.takes):
             return f"{word}: expected {word} {fault.takes}".rstrip()
         said = fault.act(rest)
-        if word not in ("status", "standstill", "help", "after", "latency"):
+        if word not in ("status", "standstill", "help", "after"):
             self._watch, self._stood = Watch(self._controller.now), None
         return said
 

@@ -69,9 +69,10 @@ def emulator_program(options: EmulatorOptions) -> int:
         lambda: _waiting(commands),
     )
     try:
+        software = ".".join(map(str, version[:2]))
         teller.say(
-            f"{options.model.title} with software {'.'.join(map(str, version[:2]))}, {rate:g} Hz, at {options.address}; faults "
-            "on this terminal: help says which; Ctrl-C ends it"
+            f"{options.model.title} with software {software}, {rate:g} Hz, at {options.address}; faults on this "
+            "terminal: help says which; Ctrl-C ends it"
         )
         for line in options.then:
             commands.put(line)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from farhand.common.errors import InputError
 from farhand.common.geometry import Array, Twist
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
@@ -71,7 +72,10 @@ class UrRobot(Robot):
         try:
             facts = first_facts(scenario, link, own, clock)
             robot = cls(scenario, link, facts)
-            robot.notes = (*link.notes(), *measured_deadline(link, own, clock))
+            deadline = measured_deadline(link, own, clock)
+            if not deadline.kept:
+                raise InputError(f"robot.host {host}: the deadline is not kept: {deadline.said}; not driven")
+            robot.notes = (*link.notes(), f"deadline: {deadline.said}")
         except BaseException:
             link.close()
             raise

@@ -1,5 +1,7 @@
 """How long the controller lets the arm go on when Farhand falls silent: measured at each start, as the arm stands."""
 
+from dataclasses import dataclass
+
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.robot_side.ur.link import UrLink
 from farhand.robot_side.ur.program import (
@@ -21,8 +23,19 @@ STEP = 0.001
 """s."""
 
 
-def measured_deadline(link: UrLink, settings: UrSettings, clock: SystemClock) -> list[str]:
-    """Let the program's deadline pass once, at speed zero; lines for people.
+@dataclass(frozen=True, slots=True)
+class Deadline:
+    """Attributes:
+    said: for people.
+    kept: whether the arm stands in time, as far as could be measured.
+    """
+
+    said: str
+    kept: bool = True
+
+
+def measured_deadline(link: UrLink, settings: UrSettings, clock: SystemClock) -> Deadline:
+    """Let the program's deadline pass once, at speed zero.
 
     Where the arm cannot be driven now there is nothing to be measured; where the controller's watchdog is the deadline
     it would be a protective stop.
@@ -30,27 +43,25 @@ def measured_deadline(link: UrLink, settings: UrSettings, clock: SystemClock) ->
     if settings.deadline == "watchdog":
         longest = 2.0 / WATCHDOG_HZ
         least = 1.0 / WATCHDOG_HZ
-        return [
-            f"deadline: the controller's watchdog, {least:.2f} to {longest:.2f} s after the last message, by "
-            "a protective stop; not measured, as it would be one"
-        ]
+        return Deadline(
+            f"the controller's watchdog, {least:.2f} to {longest:.2f} s after the last message, by a protective stop; "
+            "not measured, as it would be one"
+        )
     why = _until_ready(link, clock)
     if why:
-        return [f"deadline: not measured, since {why}"]
+        return Deadline(f"not measured, since {why}")
     _speak(link, clock)
     silent = _silence(link, clock)
     if silent is None:
-        return ["deadline: NOT KEPT: the controller's program went on without messages; do not drive"]
+        return Deadline("the controller's program went on without messages", kept=False)
     link.try_again()
     _until_ready(link, clock)
     stands = silent + brake_time(settings, 1.0 / link.client.rate_hz)
-    kept = (
-        "the arm stands" if stands <= STANDS_WITHIN else f"NOT KEPT: the arm stands after {stands:.3f} s, not"
+    return Deadline(
+        f"the controller's own program, by an ordinary stop: measured {silent:.3f} s from the last message to its "
+        f"stop; from any speed the arm stands within {stands:.3f} s",
+        kept=stands <= STANDS_WITHIN,
     )
-    return [
-        f"deadline: the controller's own program, by an ordinary stop: measured {silent:.3f} s from the last message "
-        f"to its stop; with its braking from any speed {kept} within {STANDS_WITHIN:g} s"
-    ]
 
 
 def _until_ready(link: UrLink, clock: SystemClock) -> str:

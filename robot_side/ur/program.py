@@ -25,6 +25,8 @@ STANDS_WITHIN = 0.2
 """s, from the last message until the arm stands, whatever its speed."""
 CYCLES = 3
 """Of the controller's, that a message may lie, and a stop may take to begin."""
+SPARE = 0.85
+"""Of the time that is left for braking, what it takes."""
 WATCHDOG_HZ = 10.0
 """The controller's watchdog fires after one or two periods of this."""
 LEAST_BRAKING = 2.0
@@ -82,8 +84,8 @@ end
 
 
 def brake_time(settings: UrSettings, step: float) -> float:
-    """What is left for braking (s) of `STANDS_WITHIN`, at a controller's cycle of `step` s."""
-    return STANDS_WITHIN - settings.deadline_time - CYCLES * step
+    """What braking takes (s) of what is left of `STANDS_WITHIN`, at a controller's cycle of `step` s."""
+    return SPARE * (STANDS_WITHIN - settings.deadline_time - CYCLES * step)
 
 
 def fastest_joint(settings: UrSettings, step: float, acceleration: float) -> float:

@@ -27,4 +27,4 @@ class UrSettings(Section, frozen=True, kw_only=True):
     payload_cog: Vector3 | None = None
     tcp: Offset | None = None
     deadline: Literal["script", "watchdog"] = "script"
-    deadline_time: Annotated[float, Meta(ge=0.02, le=0.1)] = 0.08
+    deadline_time: Annotated[float, Meta(ge=0.02, le=0.1)] = 0.06

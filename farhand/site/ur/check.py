@@ -20,7 +20,7 @@ from farhand.robot_side.ur.dashboard import Dashboard, DashboardError
 from farhand.robot_side.ur.deadline import measured_deadline
 from farhand.robot_side.ur.errands import send_program
 from farhand.robot_side.ur.link import UrLink
-from farhand.robot_side.ur.program import LIMITS
+from farhand.robot_side.ur.program import LIMITS, STANDS_WITHIN
 from farhand.robot_side.ur.settings import UrSettings
 from farhand.robot_side.ur.states import PLAYING, REDUCED, SAFETY_MODES, Facts, blocked, slowed, unready
 from farhand.site.doctor.network import Finding
@@ -282,8 +282,8 @@ def _await(link: UrLink, clock: SystemClock, read: Callable[[dict[str, object]],
 def _loop(link: UrLink, settings: UrSettings, lag: float, clock: SystemClock) -> list[Finding]:
     request_realtime()  # as the robot's program does
     deadline = measured_deadline(link, settings, clock)
-    kept = "NOT KEPT" not in deadline[0]
-    found = [Finding("good" if kept else "bad", "deadline", deadline[0].removeprefix("deadline: "))]
+    remedy = "" if deadline.kept else f"do not drive: {STANDS_WITHIN:g} s is what may pass"
+    found = [Finding("good" if deadline.kept else "bad", "deadline", deadline.said, remedy)]
     trips, gaps = _measure(link, clock)
     if not trips or not gaps:
         why = unready(link.facts(clock.now_ns()))
