@@ -11,7 +11,7 @@ SAME_PAYLOAD = 0.005
 
 
 class Attention:
-    """Calls for it once for each change: the arm stops, and goes on after an acknowledgement.
+    """Calls for it at first, and once for each change: the arm stops, and goes on after an acknowledgement.
 
     Args:
         settings: the payload that the scenario says.
@@ -19,6 +19,7 @@ class Attention:
 
     def __init__(self, settings: UrSettings) -> None:
         self._payload_wanted = settings.payload
+        self._new = True
         self._fraction = 1.0
         self._payload: float | None = None
 
@@ -28,6 +29,9 @@ class Attention:
         Args:
             values: RTDE's outputs, while our program runs.
         """
+        if self._new:
+            self._new = False
+            return "the robot's program has just started: acknowledge to drive"
         return self._scaling(values) or self._mass(values)
 
     def _scaling(self, values: dict[str, Any]) -> str:

@@ -85,7 +85,7 @@ def unready(facts: Facts) -> str:
     if float(values["target_speed_fraction"]) <= 0.0:
         return "speed slider at 0: move it up at the pendant"
     if facts.answer_age > STALE:
-        return f"the controller's program answers late, {facts.answer_age:.2f} s"
+        return f"Farhand's program on the controller has not answered for {facts.answer_age:.1f} s: is it another's now?"
     return ""
 
 

@@ -19,6 +19,8 @@ MOVED = 1e-3
 """rad, below which a joint has not moved."""
 WAITS = 1.0
 """s for which the hand asks in vain before it acknowledges."""
+SETTLES = 1.5
+"""s, after which it is known what it was: remote control is asked for once a second."""
 ENOUGH = 0.2
 """s, within which the arm shall stand."""
 OTHER = "def other():\n  while True:\n    sync()\n  end\nend\n"
@@ -136,7 +138,7 @@ def strike(rig: Rig, fault: Fault) -> Outcome:
     fault.strikes(rig)
     rig.wait_for_stand()
     standstill = float(rig.fault("standstill").split()[0])
-    rig.pause(0.3)
+    rig.pause(SETTLES)
     reason = rig.reason() if rig.mode() == "stopped" else ""
     fault.clears(rig)
     if fault.recovers:

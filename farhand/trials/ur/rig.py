@@ -52,13 +52,22 @@ class Rig:
             self.close()
             raise
 
-    def start_robot(self) -> None:
-        """Start the robot's program, or start it again, and wait until it says that it is there."""
+    def start_robot(self, *, connects: bool = False) -> None:
+        """Start the robot's program, or start it again, and wait until it says that it is there.
+
+        It listens on `endpoint`, or `connects` to it.
+        """
         settings = [word for setting in self._settings for word in ("--set", setting)]
         at = len(self.said("robot"))
-        words = ("--robot", ROBOT, "--host", self.address, "--listen", self.endpoint, *settings)
+        way = "--connect" if connects else "--listen"
+        words = ("--robot", ROBOT, "--host", self.address, way, self.endpoint, *settings)
         self._start("robot", "robot", *words)
         self.wait(lambda: "Ctrl-C ends it" in self.said("robot")[at:], "the robot")
+
+    def start_beside(self, name: str, *words: str) -> None:
+        """Start another program of Farhand's, and wait until it says that it is there."""
+        self._start(name, *words)
+        self.wait(lambda: "Ctrl-C ends it" in self.said(name), name)
 
     def said(self, program: str) -> str:
         """What a program has said so far."""

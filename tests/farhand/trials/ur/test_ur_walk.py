@@ -1,0 +1,84 @@
+"""As a new user would: emulator, check, robot, netem; drive by hand; protective stop; recover; drive on."""
+
+import signal
+
+import pytest
+
+from farhand.common.link.ports import free_ports
+from farhand.trials.ur.faults import FAULTS, strike
+from farhand.trials.ur.hand import Hand
+from farhand.trials.ur.rig import SPEED, Rig
+
+pytestmark = [pytest.mark.realtime, pytest.mark.slow]
+ADDRESS = "127.0.0.31"
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    made = Rig(tmp_path_factory.mktemp("ur"), ADDRESS)
+    yield made
+    made.close()
+
+
+def fault(name):
+    return next(each for each in FAULTS if each.name == name)
+
+
+def test_the_deadline_is_said_at_the_start_and_who_drives_must_acknowledge(rig):
+    said = rig.said("robot")
+    assert "deadline: the controller's own program, by an ordinary stop: measured 0.06" in said
+    assert "500 Hz; payload 0 kg" in said
+    rig.wait(lambda: rig.mode() == "stopped", "the robot's state")
+    assert rig.reason() == "the robot's program has just started: acknowledge to drive"
+    before = rig.joints()
+    rig.pause(0.5)
+    assert rig.joints() == pytest.approx(before, abs=1e-4)
+    rig.drive()
+
+
+def test_a_check_beside_it_says_that_another_client_is_in_control(rig):
+    assert rig.farhand("ur", "check", "--host", ADDRESS, "--scenario", "ur5-obstacle") == 1
+    assert "another client is in control" in rig.said("ur")
+    assert rig.mode() == "run"
+
+
+@pytest.mark.parametrize(
+    "name", ["protective stop", "robot program: kill -9", "cable out for 2 s", "pause, then play"]
+)
+def test_the_arm_stands_in_time_waits_for_an_acknowledgement_and_drives_on(rig, name):
+    outcome = strike(rig, fault(name))
+    assert outcome.good, outcome
+
+
+def test_a_hung_program_is_not_waited_for(rig):
+    rig.drive()
+    rig.signal(signal.SIGSTOP)
+    rig.wait_for_stand()
+    stood = float(rig.fault("standstill").split()[0])
+    rig.programs["robot"].send_signal(signal.SIGCONT)
+    assert 0.06 < stood <= 0.2
+    rig.wait(lambda: rig.mode() == "stopped", "a stop")
+    rig.drive()
+
+
+def test_a_second_program_is_refused_in_one_line(rig):
+    assert (
+        rig.farhand(
+            "robot", "--robot", "other", "--host", ADDRESS, "--listen", f"tcp/127.0.0.1:{free_ports(1)[0]}"
+        )
+        == 2
+    )
+    assert "another client is in control" in rig.said("robot")
+    rig.drive()
+
+
+def test_over_an_emulated_network_too(rig):
+    operator_port, robot_port = free_ports(2)
+    listens = [f"tcp/127.0.0.1:{port}" for port in (operator_port, robot_port)]
+    words = ("--network", "5g-urban", "--listen-operator", listens[0], "--listen-robot", listens[1])
+    rig.start_beside("netem", "netem", *words)
+    rig.hand.close()
+    rig.endpoint = listens[1]
+    rig.start_robot(connects=True)
+    rig.hand = Hand(listens[0], "ur", SPEED)
+    rig.drive()
