@@ -38,6 +38,7 @@ class UrRobot(Robot):
         scenario: host, model, guard, velocity control.
         link: to the controller, connected.
         facts: what was first known.
+        clock: by which the link has been polled so far.
 
     Raises ScenarioError where it must not be driven from where it stands.
     """
@@ -45,8 +46,8 @@ class UrRobot(Robot):
     Settings = UrSettings
     guards_itself = True
 
-    def __init__(self, scenario: RobotScenario, link: UrLink, facts: Facts) -> None:
-        self._clock = SystemClock()
+    def __init__(self, scenario: RobotScenario, link: UrLink, facts: Facts, clock: SystemClock) -> None:
+        self._clock = clock
         self._link, self._facts = link, facts
         own: UrSettings = own_settings(scenario.robot, UrRobot, "robot")
         self.rate_hz = link.client.rate_hz
@@ -71,7 +72,7 @@ class UrRobot(Robot):
         clock = SystemClock()
         try:
             facts = first_facts(scenario, link, own, clock)
-            robot = cls(scenario, link, facts)
+            robot = cls(scenario, link, facts, clock)
             deadline = measured_deadline(link, own, clock)
             if not deadline.kept:
                 raise InputError(f"robot.host {host}: the deadline is not kept: {deadline.said}; not driven")

@@ -60,6 +60,7 @@ class UrLink:
             trouble=client.trouble,
             remote=self._errands.remote,
             run=self.run,
+            unsent=self._errands.trouble,
             answer_age=max(0.0, (now_ns - self._heard_ns) * 1e-9),
         )
 
@@ -69,7 +70,7 @@ class UrLink:
             return  # none is sent until some are answered, so that none queues up
         self._number = self._number % LARGEST + 1
         sent = self.client.send(message(self._number, self._settings.deadline_time, self.run, qd))
-        if sent:
+        if sent and self._runs():
             self._sent_ns[self._number] = now_ns
             while len(self._sent_ns) > 1000:
                 self._sent_ns.pop(next(iter(self._sent_ns)))
@@ -102,10 +103,8 @@ class UrLink:
         self.client.close()
         self._errands.close()
 
-    @property
-    def trouble(self) -> str:
-        """What went wrong with the program's start."""
-        return self._errands.trouble
+    def _runs(self) -> bool:
+        return self.run != 0 and int(self.client.values.get(RUN, 0)) == self.run
 
     def _unanswered(self, now_ns: int) -> float:
         """Since when the oldest message is under way that was not answered (s)."""
@@ -115,7 +114,7 @@ class UrLink:
     def _note_answer(self, now_ns: int) -> None:
         values = self.client.values
         heard = int(values[HEARD])
-        if int(values[RUN]) != self.run or heard == self._heard:
+        if not self._runs() or heard == self._heard:
             return
         self._heard, self._heard_ns = heard, now_ns
         sent_ns = self._sent_ns.get(heard)

@@ -41,6 +41,7 @@ class Facts:
         remote: whether the controller may be controlled from elsewhere; None: it has no such mode, or nobody knows.
         run: number of our program's run; 0: none was started.
         answer_age: for how long the program has answered no message (s).
+        unsent: why the program could not be sent to the controller; empty: it could, or was not yet.
     """
 
     values: dict[str, Any]
@@ -49,6 +50,7 @@ class Facts:
     remote: bool | None = None
     run: int = 0
     answer_age: float = 0.0
+    unsent: str = ""
 
 
 def blocked(facts: Facts) -> str:
@@ -81,11 +83,11 @@ def unready(facts: Facts) -> str:
     if runtime == PLAYING and not ours:
         return "another program runs on the controller: it is not Farhand's, and is not ended by it"
     if not ours or runtime != PLAYING:
-        return _ended(int(values[ENDED]))
+        return facts.unsent or _ended(int(values[ENDED]))
     if float(values["target_speed_fraction"]) <= 0.0:
         return "speed slider at 0: move it up at the pendant"
     if facts.answer_age > STALE:
-        return f"Farhand's program on the controller has not answered for {facts.answer_age:.1f} s: is it another's now?"
+        return f"Farhand's program on the controller has been silent for {facts.answer_age:.1f} s: is it another's now?"
     return ""
 
 

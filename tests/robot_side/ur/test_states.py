@@ -42,7 +42,7 @@ def test_one_that_runs_and_answers_is_ready():
         ({"output_int_register_25": 12}, "another program"),
         ({"run": 0}, "another program"),
         ({"target_speed_fraction": 0.0}, "slider at 0"),
-        ({"answer_age": 0.2}, "has not answered"),
+        ({"answer_age": 0.2}, "has been silent"),
         ({"age": 0.2}, "no state"),
         ({"trouble": "it hung up"}, "it hung up"),
     ],
