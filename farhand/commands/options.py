@@ -152,6 +152,8 @@ def on_a_real_arm(scenario: "Scenario", host: str, model: str = "") -> "Scenario
 
     model = model or scenario.robot.known_model
     if not model.startswith("ur"):
+        if model != scenario.robot.known_model:
+            raise InputError(f"--model {model!r}: is no UR arm; there are ur3, ur5, ur10")
         raise InputError(
             f"--host {host}: scenario {scenario.name} has no UR arm: say robot.model, such as ur5"
         )

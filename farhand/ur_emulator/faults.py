@@ -6,8 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from farhand.common.errors import InputError
 from farhand.ur_emulator.controller import Controller
 from farhand.ur_emulator.wire import Connection, Handler, Wire
+
+LATEST = 1e6
+"""s, to which a command may be put off."""
 
 
 class Fault(NamedTuple):
@@ -87,6 +91,19 @@ class FaultCommands:
     def handler(self, connection: Connection) -> Handler:
         """Of a connection to the port for faults."""
         return FaultHandler(connection, self)
+
+    def check(self, line: str) -> None:
+        """Raise InputError where this is no command."""
+        word, _, rest = line.strip().partition(" ")
+        if word not in self.commands:
+            raise InputError(f"--then {line!r}: no such command; there are {', '.join(self.commands)}")
+        if bool(rest.strip()) != bool(self.commands[word].takes):
+            raise InputError(f"--then {line!r}: expected {word} {self.commands[word].takes}".rstrip())
+        if word == "after":
+            seconds, _, later = rest.strip().partition(" ")
+            if _number(seconds, 0.0, LATEST) is None:
+                raise InputError(f"--then {line!r}: expected seconds and a command, such as after 2 cut")
+            self.check(later)
 
     def do(self, line: str) -> str:
         """Do one; what is said of it."""
@@ -170,7 +187,7 @@ class FaultCommands:
 
     def _after(self, rest: str) -> str:
         word, _, line = rest.partition(" ")
-        seconds = _number(word, 0.0, 1e6)
+        seconds = _number(word, 0.0, LATEST)
         if seconds is None or line.split(" ")[0] not in self.commands:
             return f"after {rest!r}: expected seconds and a command, such as after 2 protective-stop"
         self._waiting.append((self._controller.now + seconds, line))

@@ -69,6 +69,8 @@ def emulator_program(options: EmulatorOptions) -> int:
         lambda: _waiting(commands),
     )
     try:
+        for line in options.then:
+            emulator.faults.check(line)
         software = ".".join(map(str, version[:2]))
         teller.say(
             f"{options.model.title} with software {software}, {rate:g} Hz, at {options.address}; faults on this "

@@ -17,6 +17,10 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _ENDS = ("end", "elif", "else")
+_RESERVED = {
+    *_ENDS, "def", "thread", "sec", "if", "while", "return", "break", "continue", "pass", "halt", "kill", "join", "global",
+    "local", "and", "or", "xor", "not", "enter_critical", "exit_critical",
+}  # fmt: skip
 _COMPARISONS = ("==", "!=", "<", ">", "<=", ">=")
 MOST_NESTED = 60
 
@@ -315,6 +319,8 @@ class Translator:
     def _word(self, token: Token) -> str:
         if token.text in ("True", "False"):
             return token.text
+        if token.text in _RESERVED:
+            raise ScriptError(f"line {token.line}: expected a value, got {token.text!r}")
         if token.text == "run":
             name = self._name()
             self._expect("(")
