@@ -31,6 +31,12 @@ def ur(
             "--faults", help="Only those with one of these words in their names, such as kill,cable."
         ),
     ] = "",
+    drive: Annotated[
+        bool, typer.Option("--drive", help="No faults: the demo's task, beside the simulated arm.")
+    ] = False,
+    networks: Annotated[
+        str, typer.Option("--networks", help="With --drive: these, with blanks between them.")
+    ] = "",
     as_json: JsonOption = False,
 ) -> None:
     """Everything that breaks around a UR arm, in the emulator: how long does it move on, and does it wait?
@@ -41,6 +47,10 @@ def ur(
     from farhand.ur_emulator.main import check_loopback
 
     check_loopback(address)
+    if drive:
+        from farhand.trials.ur.drives import run_drives
+
+        raise typer.Exit(run_drives(address, rate, tuple(networks.split()), as_json))
     words = tuple(word.strip() for word in faults.split(",") if word.strip())
     raise typer.Exit(run_ur_trial(address, rate, words, as_json))
 

@@ -18,8 +18,8 @@ _TOKEN = re.compile(
 )
 _ENDS = ("end", "elif", "else")
 _RESERVED = {
-    *_ENDS, "def", "thread", "sec", "if", "while", "return", "break", "continue", "pass", "halt", "kill", "join", "global",
-    "local", "and", "or", "xor", "not", "enter_critical", "exit_critical",
+    *_ENDS, "def", "thread", "sec", "if", "while", "return", "break", "continue", "pass", "halt", "kill", "join",
+    "global", "local", "and", "or", "xor", "not", "enter_critical", "exit_critical",
 }  # fmt: skip
 _COMPARISONS = ("==", "!=", "<", ">", "<=", ">=")
 MOST_NESTED = 60

@@ -6,6 +6,7 @@ It moves nothing. To measure the controller's loop it runs Farhand's own program
 import json
 from collections.abc import Callable
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 from rich.markup import escape
@@ -195,8 +196,8 @@ def _joints(facts: Facts, arm: ArmModel | None) -> list[Finding]:
     q = np.array(facts.values["actual_q"])
     for name, angle, low, high in zip(arm.joint_names, q, arm.lower, arm.upper, strict=True):
         if not low <= angle <= high:
-            found = f"{name} stands at {angle:.3f} rad, Farhand keeps it within {low:.3f} to {high:.3f}"
-            return [Finding("bad", "joints", found, "move it there at the pendant")]
+            outside = f"{name} stands at {angle:.3f} rad, Farhand keeps it within {low:.3f} to {high:.3f}"
+            return [Finding("bad", "joints", outside, "move it there at the pendant")]
     found = [Finding("good", "joints", "all within the limits that Farhand keeps")]
     tcp = facts.values.get("tcp_offset")
     if tcp is None:
@@ -268,7 +269,7 @@ def limits_question(arm: ArmModel, q: list[float]) -> str:
     return "\n".join(lines)
 
 
-def _await(link: UrLink, clock: SystemClock, read: Callable[[dict[str, object]], int]) -> int:
+def _await(link: UrLink, clock: SystemClock, read: Callable[[dict[str, Any]], int]) -> int:
     end_ns = clock.now_ns() + to_ns(1.0)
     while True:
         now_ns = clock.now_ns()

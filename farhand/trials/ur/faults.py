@@ -77,6 +77,20 @@ def _ended(rig: Rig) -> None:
     rig.programs["robot"].wait()
 
 
+def _thawed(rig: Rig) -> None:
+    rig.pause(2.0)
+    rig.programs["robot"].send_signal(signal.SIGCONT)
+
+
+def _plugged(rig: Rig) -> None:
+    rig.pause(2.0)
+    rig.fault("plug")
+
+
+def _booted(rig: Rig) -> None:
+    rig.pause(3.5)
+
+
 def _other_program(rig: Rig) -> None:
     rig.fault("mark")
     send_program(rig.address, OTHER)
@@ -88,17 +102,17 @@ FAULTS = (
     Fault(
         name="robot program: SIGSTOP for 2 s",
         strikes=lambda rig: rig.signal(signal.SIGSTOP),
-        clears=lambda rig: (rig.pause(2.0), rig.programs["robot"].send_signal(signal.SIGCONT)),
+        clears=_thawed,
     ),
     Fault(
         name="cable out for 2 s",
         strikes=_command("cut"),
-        clears=lambda rig: (rig.pause(2.0), rig.fault("plug")),
+        clears=_plugged,
     ),
     Fault(
         name="controller starts anew",
         strikes=_command("restart"),
-        clears=lambda rig: rig.pause(3.5),
+        clears=_booted,
         recovers=True,
     ),
     Fault(name="protective stop", strikes=_command("protective-stop"), recovers=True),

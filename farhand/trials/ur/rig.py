@@ -13,6 +13,8 @@ from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.trials.ur.hand import Hand
 
 PATIENCE = 60.0
+LONGEST = 300.0
+"""s that a command may take."""
 ROBOT = "ur"
 MOVING = 0.02
 """m/s of the tool."""
@@ -30,10 +32,17 @@ class Rig:
         address: of loopback, where the emulator listens.
         rate_hz: of the emulated controller.
         settings: of the scenario, as --set has them.
+        driven: by a hand; else nobody drives yet, and the robot's program is not started.
     """
 
     def __init__(
-        self, folder: Path, address: str, rate_hz: float = 500.0, settings: tuple[str, ...] = ()
+        self,
+        folder: Path,
+        address: str,
+        rate_hz: float = 500.0,
+        settings: tuple[str, ...] = (),
+        *,
+        driven: bool = True,
     ) -> None:
         self._folder, self.address, self.clock = folder, address, SystemClock()
         self._settings = settings
@@ -46,21 +55,26 @@ class Rig:
             words = ("--address", address, "--rate", f"{rate_hz:g}", "--scenario", "ur5-obstacle")
             self._start("emulator", "ur", "emulator", *words, "--fault-port", str(fault_port))
             self.wait(lambda: self._reaches(fault_port), "the emulator")
+            if not driven:
+                return
             self.start_robot()
             self.hand = Hand(self.endpoint, ROBOT, SPEED)
         except BaseException:
             self.close()
             raise
 
-    def start_robot(self, *, connects: bool = False) -> None:
+    def start_robot(self, *, connects: bool = False, result: Path | None = None) -> None:
         """Start the robot's program, or start it again, and wait until it says that it is there.
 
-        It listens on `endpoint`, or `connects` to it.
+        Args:
+            connects: to `endpoint`; else it listens there.
+            result: file for its result.
         """
         settings = [word for setting in self._settings for word in ("--set", setting)]
         at = len(self.said("robot"))
         way = "--connect" if connects else "--listen"
-        words = ("--robot", ROBOT, "--host", self.address, way, self.endpoint, *settings)
+        left = ("--result", str(result)) if result is not None else ()
+        words = ("--robot", ROBOT, "--host", self.address, way, self.endpoint, *settings, *left)
         self._start("robot", "robot", *words)
         self.wait(lambda: "Ctrl-C ends it" in self.said("robot")[at:], "the robot")
 
@@ -124,9 +138,13 @@ class Rig:
         """Acknowledge until the arm moves at its speed."""
         hand = self.hand
         assert hand is not None
-        self.wait(
-            lambda: (self.mode() == "run" or hand.acknowledge()) and self.moves(), "the arm to move", 0.3
-        )
+
+        def moves() -> bool:
+            if self.mode() != "run":
+                hand.acknowledge()
+            return self.moves()
+
+        self.wait(moves, "the arm to move", 0.3)
 
     def wait(self, holds: Callable[[], object], what: str, every: float = 0.02) -> None:
         """Until it holds; FarhandError after a minute, or where a program has ended."""
@@ -148,8 +166,14 @@ class Rig:
         with self._log(words[0]).open("ab") as log:
             command = [sys.executable, "-m", "farhand", *words]
             return subprocess.run(
-                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, timeout=PATIENCE
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, timeout=LONGEST
             ).returncode
+
+    def interrupt(self, program: str) -> None:
+        """End a program as Ctrl-C does."""
+        found = self.programs.pop(program)
+        found.send_signal(signal.SIGINT)
+        found.wait(PATIENCE)
 
     def end(self, program: str) -> None:
         """End a program, whatever it does; harmless when it has ended."""
