@@ -46,6 +46,7 @@ class Robot(ABC):
             simulator, whose time would fall behind; for hardware, whose time went on, it would be a burst.
         guards_itself: whether `step` keeps its whole body clear of `surroundings`; of others the robot's program
             guards the sphere around the tool.
+        is_real: whether it is hardware, or stands for it; virtual time cannot drive it.
         rate_hz: of its own controller; None: it is stepped as often as the scenario says.
         notes: lines for people on what was found at its start.
     """
@@ -55,6 +56,7 @@ class Robot(ABC):
     model: str = ""
     catches_up: bool = False
     guards_itself: bool = False
+    is_real: bool = False
     rate_hz: float | None = None
     notes: Sequence[str] = ()
 

@@ -104,8 +104,10 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
         if self.host is None:
             raise ValueError("kind 'ur' needs host, the address of the arm's controller")
         real = [name for name in ARMS if name.startswith("ur")]
-        if self.model is None or self.urdf is not None:
-            raise ValueError(f"kind 'ur' needs model, one of {', '.join(real)}, and no urdf")
+        if (self.model is None) == (self.urdf is None):
+            raise ValueError(
+                f"kind 'ur' needs model, one of {', '.join(real)}, or urdf, the file of any other UR arm"
+            )
         if self.model in ARMS and self.model not in real:
             raise ValueError(f"model {self.model!r} is no UR arm; there are {', '.join(real)}")
 

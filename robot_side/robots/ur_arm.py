@@ -45,6 +45,7 @@ class UrRobot(Robot):
 
     Settings = UrSettings
     guards_itself = True
+    is_real = True
 
     def __init__(self, scenario: RobotScenario, link: UrLink, facts: Facts, clock: SystemClock) -> None:
         self._clock = clock

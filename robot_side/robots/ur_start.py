@@ -10,7 +10,8 @@ import numpy as np
 from farhand.common.errors import InputError, ScenarioError
 from farhand.common.geometry import Array
 from farhand.common.timing.clock import SystemClock, to_ns
-from farhand.robot_side.arm.model import ArmModel, model
+from farhand.robot_side.arm.model import ArmModel
+from farhand.robot_side.robots.arms import chosen_arm
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.ur import poses
 from farhand.robot_side.ur.dashboard import Dashboard, DashboardError
@@ -68,7 +69,7 @@ def slower_arm(arm: ArmModel, settings: UrSettings, step: float) -> ArmModel:
 
 def check_joints(scenario: RobotScenario, q: Array) -> None:
     """Raise ScenarioError where a joint stands outside of the limits that Farhand keeps."""
-    arm = model(scenario.robot.known_model)
+    arm = chosen_arm(scenario.robot)
     for name, angle, low, high in zip(arm.joint_names, q, arm.lower, arm.upper, strict=True):
         if not low <= angle <= high:
             raise ScenarioError(
@@ -79,13 +80,14 @@ def check_joints(scenario: RobotScenario, q: Array) -> None:
 
 def _check_model(scenario: RobotScenario, facts: Facts, host: str) -> None:
     """Raise InputError where the arm is another one: by its name, and by where its tool is."""
-    arm = model(scenario.robot.known_model)
+    arm = chosen_arm(scenario.robot)
     try:
         with Dashboard(host) as dashboard:
             said = dashboard.ask("get robot model")
     except DashboardError as error:
         raise InputError(f"robot.host {host}: {error}") from None
-    if said.upper().startswith("UR") and said.upper().rstrip("E") != arm.title.upper().rstrip("E"):
+    known = bool(scenario.robot.known_model)
+    if known and said.upper().startswith("UR") and said.upper().rstrip("E") != arm.title.upper().rstrip("E"):
         raise InputError(f"robot.model: the scenario has a {arm.title}, the controller at {host} says {said}")
     tcp = facts.values.get("tcp_offset")
     if tcp is None:

@@ -298,10 +298,9 @@ def _loop(link: UrLink, settings: UrSettings, lag: float, clock: SystemClock) ->
         f"states every {gap[0] * 1e3:.1f} ms, 99 % within {gap[1] * 1e3:.1f} ms, at most {max(gaps) * 1e3:.1f} ms"
     )
     if max(trips) > LATE:
-        return [
-            *found,
-            Finding("bad", "loop", said, "a wired network of its own; real-time priority for the program"),
-        ]
+        level = "bad" if trip[1] > LATE else "note"
+        remedy = "a wired network of its own; real-time priority for the program"
+        return [*found, Finding(level, "loop", said, remedy)]
     if trip[1] > 1.5 * lag:
         remedy = f"robot.lag says {lag * 1e3:.0f} ms; say at least {trip[1] / 1.5 * 1e3:.0f} ms, the guard counts on it"
         return [*found, Finding("note", "loop", said, remedy)]

@@ -164,7 +164,8 @@ def _show(drives: list[Drive], rate_hz: float, as_json: bool) -> None:
         "finished",
         "tool clear (mm)",
         "arm clear (mm)",
-        "paths apart (mm)",
+        "apart (mm)",
+        "apart driven (mm)",
         "overruns",
     ):
         table.add_column(column)

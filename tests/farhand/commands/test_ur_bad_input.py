@@ -37,6 +37,20 @@ def refused(capsys, *words):
         (("ur", "check", "--host", "127.0.0.1", "--model", "panda"), "is no UR arm"),
         (("ur", "recover", "--host", ""), "--host: is empty"),
         (("robot", "--host", "127.0.0.1", "--scenario", "panda-obstacle"), "has no UR arm"),
+        (
+            (
+                "simulate",
+                "--scenario",
+                "ur5-obstacle",
+                "--set",
+                "robot.kind=ur",
+                "--set",
+                "robot.model=ur5",
+                "--set",
+                "robot.host=127.0.0.1",
+            ),
+            "virtual time cannot drive a real robot",
+        ),
         (("trial", "ur", "--address", "10.0.0.1"), "loopback only"),
     ],
 )
