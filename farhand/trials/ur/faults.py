@@ -21,6 +21,8 @@ WAITS = 1.0
 """s for which the hand asks in vain before it acknowledges."""
 SETTLES = 1.5
 """s, after which it is known what it was: remote control is asked for once a second."""
+SILENT = 0.6
+"""s, within which it shall stand where nobody commands: safety.command_timeout, and braking."""
 ENOUGH = 0.2
 """s, within which the arm shall stand."""
 OTHER = "def other():\n  while True:\n    sync()\n  end\nend\n"
@@ -33,12 +35,14 @@ class Fault:
     strikes: makes it happen.
     clears: takes it back.
     recovers: whether `farhand ur recover` is needed afterwards.
+    within: the arm shall stand (s).
     """
 
     name: str
     strikes: Callable[[Rig], object]
     clears: Callable[[Rig], object] = lambda rig: None
     recovers: bool = False
+    within: float = ENOUGH
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +53,7 @@ class Outcome:
     reason: why the robot said that it stopped; empty: it said nothing, as one that is dead.
     moved: how far a joint moved before the acknowledgement, once the fault was cleared (rad).
     drives: whether it moved again after the acknowledgement.
+    within: it shall have stood (s).
     """
 
     fault: str
@@ -56,11 +61,12 @@ class Outcome:
     reason: str
     moved: float
     drives: bool
+    within: float = ENOUGH
 
     @property
     def good(self) -> bool:
         """Whether it stood in time, waited, and went on."""
-        return self.standstill <= ENOUGH and self.moved <= MOVED and self.drives
+        return self.standstill <= self.within and self.moved <= MOVED and self.drives
 
 
 def _command(line: str) -> Callable[[Rig], object]:
@@ -91,6 +97,23 @@ def _booted(rig: Rig) -> None:
     rig.pause(3.5)
 
 
+def _silenced(rig: Rig) -> None:
+    assert rig.hand is not None
+    rig.fault("mark")
+    rig.hand.silent = True
+
+
+def _heard_again(rig: Rig) -> None:
+    assert rig.hand is not None
+    rig.hand.silent = False
+
+
+def _emergency(rig: Rig) -> None:
+    assert rig.hand is not None
+    rig.fault("mark")
+    rig.hand.stop()
+
+
 def _other_program(rig: Rig) -> None:
     rig.fault("mark")
     send_program(rig.address, OTHER)
@@ -104,6 +127,8 @@ FAULTS = (
         strikes=lambda rig: rig.signal(signal.SIGSTOP),
         clears=_thawed,
     ),
+    Fault(name="operator falls silent", strikes=_silenced, clears=_heard_again, within=SILENT),
+    Fault(name="operator's emergency stop", strikes=_emergency),
     Fault(
         name="cable out for 2 s",
         strikes=_command("cut"),
@@ -153,7 +178,7 @@ def strike(rig: Rig, fault: Fault) -> Outcome:
     rig.wait_for_stand()
     standstill = float(rig.fault("standstill").split()[0])
     rig.pause(SETTLES)
-    reason = rig.reason() if rig.mode() == "stopped" else ""
+    reason = rig.reason() if rig.mode() in ("stopped", "estop") else ""
     fault.clears(rig)
     if fault.recovers:
         rig.farhand("ur", "recover", "--host", rig.address, "--yes")
@@ -167,7 +192,14 @@ def strike(rig: Rig, fault: Fault) -> Outcome:
     except FarhandError as error:
         say("trial", f"{fault.name}: {error}")
         drives = False
-    return Outcome(fault=fault.name, standstill=standstill, reason=reason, moved=moved, drives=drives)
+    return Outcome(
+        fault=fault.name,
+        standstill=standstill,
+        reason=reason,
+        moved=moved,
+        drives=drives,
+        within=fault.within,
+    )
 
 
 def run_ur_trial(address: str, rate_hz: float, names: tuple[str, ...], as_json: bool) -> int:

@@ -25,6 +25,10 @@ class Hand:
         endpoint: of the robot's program.
         robot: its name.
         speed: of the tool (m/s).
+
+    Attributes:
+        silent: whether it sends nothing.
+        state: the robot's newest; None before the first.
     """
 
     def __init__(self, endpoint: str, robot: str, speed: float) -> None:
@@ -33,7 +37,9 @@ class Hand:
         self._session = random_session()
         self._link = ZenohLink(open_session([endpoint]), [state_key(robot)], self._clock)
         self._decoder, self._newest = Decoder(RobotState), Newest()
-        self._over, self._acknowledges = threading.Event(), False
+        self._over = threading.Event()
+        self._mode: CommandMode = "run"
+        self.silent = False
         self._forward = True
         self.state: RobotState | None = None
         self.heard_ns = 0
@@ -43,7 +49,11 @@ class Hand:
 
     def acknowledge(self) -> None:
         """Acknowledge once, or ask for control."""
-        self._acknowledges = True
+        self._mode = "acknowledge"
+
+    def stop(self) -> None:
+        """An emergency stop."""
+        self._mode = "estop"
 
     def close(self) -> None:
         """Let go."""
@@ -59,13 +69,13 @@ class Hand:
                 state = self._decoder.decode(packet.payload)
                 if state is not None and self._newest.accept(state, packet.arrived_ns or now_ns):
                     self.state, self.heard_ns = state, now_ns
-            self._send(now_ns)
+            if not self.silent:
+                self._send(now_ns)
             next_ns += to_ns(PERIOD)
             self._clock.sleep_until(next_ns)
 
     def _send(self, now_ns: int) -> None:
-        mode: CommandMode = "acknowledge" if self._acknowledges else "run"
-        self._acknowledges = False
+        mode, self._mode = self._mode, "run"
         self._seq += 1
         command = VelocityCommand(
             source="hand",
