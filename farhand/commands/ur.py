@@ -123,9 +123,15 @@ def recover(
 
     if not host:
         raise InputError("--host: is empty; give the address of the arm's controller")
-    raise typer.Exit(
-        run_recover(host, patience, lambda _: yes or typer.confirm("go on?", default=False, err=True))
-    )
+    raise typer.Exit(run_recover(host, patience, lambda: yes or _confirmed()))
+
+
+def _confirmed() -> bool:
+    """Whether a person says yes; without a person it is no."""
+    try:
+        return typer.confirm("go on?", default=False, err=True)
+    except typer.Abort:
+        return False
 
 
 def _angles(text: str) -> tuple[float, ...] | None:

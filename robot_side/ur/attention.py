@@ -5,7 +5,9 @@ from typing import Any
 from farhand.robot_side.ur.settings import UrSettings
 
 SETTLED = 0.01
-"""Between the slider and the scaling that follows it."""
+"""Difference of two speed scalings that are the same."""
+FOLLOWS = 0.3
+"""s, in which the scaling in force follows the slider."""
 SAME_PAYLOAD = 0.005
 """kg."""
 
@@ -21,6 +23,7 @@ class Attention:
         self._payload_wanted = settings.payload
         self._new = True
         self._fraction = 1.0
+        self._changed: tuple[float, float] | None = None  # to what, and when by the controller's clock (s)
         self._payload: float | None = None
 
     def calls(self, values: dict[str, Any]) -> str:
@@ -37,8 +40,12 @@ class Attention:
     def _scaling(self, values: dict[str, Any]) -> str:
         fraction = float(values["target_speed_fraction"])
         if abs(fraction - self._fraction) < SETTLED:
+            self._changed = None
             return ""
-        if abs(float(values["speed_scaling"]) - fraction) < SETTLED:
+        now = float(values["timestamp"])
+        if self._changed is None or abs(self._changed[0] - fraction) >= SETTLED:
+            self._changed = fraction, now
+        if now - self._changed[1] >= FOLLOWS:
             self._fraction = fraction
         return f"speed scaling is {fraction:.0%} now: commanded speeds take effect by so much"
 

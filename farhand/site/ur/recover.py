@@ -93,7 +93,7 @@ def _running(values: dict[str, object]) -> Step:
     return Step("done", "ready")
 
 
-def run_recover(host: str, patience: float, confirm: Callable[[str], bool]) -> int:
+def run_recover(host: str, patience: float, confirm: Callable[[], bool]) -> int:
     """Walk through what clears the arm; returns 0 once it can be driven, else 1.
 
     Args:
@@ -112,7 +112,7 @@ def run_recover(host: str, patience: float, confirm: Callable[[str], bool]) -> i
 
 
 def _walk(
-    client: RtdeClient, host: str, clock: SystemClock, patience: float, confirm: Callable[[str], bool]
+    client: RtdeClient, host: str, clock: SystemClock, patience: float, confirm: Callable[[], bool]
 ) -> int:
     said, confirmed = "", set[str]()
     end_ns = clock.now_ns() + to_ns(patience)
@@ -140,7 +140,8 @@ def _walk(
         if step.kind == "do":
             about = "power" if step.command in POWERING else step.command
             if step.asks and about not in confirmed:
-                if not confirm(step.said):
+                if not confirm():
+                    say("ur recover", "not confirmed: nothing was done; --yes says it beforehand")
                     return 1
                 confirmed.add(about)
             if now_ns - tried_ns > to_ns(BETWEEN):

@@ -10,7 +10,7 @@ from farhand.robot_side.ur.states import Facts, blocked, may_start, slowed, unre
 
 GOOD = {
     "robot_mode": 7, "safety_mode": 1, "runtime_state": 2, "robot_status_bits": 3, "target_speed_fraction": 1.0,
-    "speed_scaling": 1.0, "output_int_register_25": 11, "output_int_register_26": 0, "payload": 0.0,
+    "timestamp": 0.0, "output_int_register_25": 11, "output_int_register_26": 0, "payload": 0.0,
 }  # fmt: skip
 
 
@@ -92,11 +92,21 @@ def test_speed_scaling_is_said_and_calls_for_attention_once():
     assert "just started" in attention.calls(GOOD)
     assert attention.calls(GOOD) == ""
     half = GOOD | {"target_speed_fraction": 0.5}
-    assert "50%" in attention.calls(half)  # the slider moved, and the scaling is on its way
-    assert "50%" in attention.calls(half | {"speed_scaling": 0.5})
-    assert attention.calls(half | {"speed_scaling": 0.5}) == ""
+    for at in (1.0, 1.1, 1.29, 1.31):
+        assert "50%" in attention.calls(half | {"timestamp": at})  # until the scaling has followed the slider
+    assert attention.calls(half | {"timestamp": 1.4}) == ""
     assert slowed(half) == "speed scaling 50%"
-    assert "100%" in attention.calls(GOOD)  # and up again: the same command is twice as fast
+    assert "100%" in attention.calls(
+        GOOD | {"timestamp": 2.0}
+    )  # and up again: the same command is twice as fast
+
+
+def test_a_slider_that_goes_on_moving_goes_on_calling():
+    attention = Attention(UrSettings())
+    attention.calls(GOOD)
+    for step in range(1, 9):
+        moved = GOOD | {"target_speed_fraction": 1.0 - 0.1 * step, "timestamp": 0.25 * step}
+        assert attention.calls(moved)
 
 
 def test_another_payload_calls_for_attention_and_a_wrong_one_does_not_cease_to():
