@@ -90,8 +90,7 @@ def check(
     from farhand.runs.scenario import load_scenario
     from farhand.site.ur.check import run_check
 
-    if not host:
-        raise InputError("--host: is empty; give the address of the arm's controller")
+    host = _address(host)
     if not scenario and not model:
         if settings:
             raise InputError("--set: goes with --scenario")
@@ -121,9 +120,16 @@ def recover(
     """
     from farhand.site.ur.recover import run_recover
 
+    host = _address(host)
+    raise typer.Exit(run_recover(host, patience, lambda: yes or _confirmed()))
+
+
+def _address(host: str) -> str:
+    from farhand.robot_side.ur.settings import address_of
+
     if not host:
         raise InputError("--host: is empty; give the address of the arm's controller")
-    raise typer.Exit(run_recover(host, patience, lambda: yes or _confirmed()))
+    return address_of(host)
 
 
 def _confirmed() -> bool:

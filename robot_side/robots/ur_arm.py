@@ -22,7 +22,7 @@ from farhand.robot_side.scene.surroundings import Surroundings
 from farhand.robot_side.ur.attention import Attention
 from farhand.robot_side.ur.deadline import measured_deadline
 from farhand.robot_side.ur.link import UrLink
-from farhand.robot_side.ur.settings import UrSettings
+from farhand.robot_side.ur.settings import UrSettings, address_of
 from farhand.robot_side.ur.states import Facts, slowed, unready
 
 BRAKING_AT_THE_END = 0.5
@@ -69,7 +69,7 @@ class UrRobot(Robot):
         own: UrSettings = own_settings(scenario.robot, cls, "robot")
         host = scenario.robot.host or ""
         acceleration = float(chosen_arm(scenario.robot).max_acceleration.max())
-        link = UrLink(host, own, acceleration)
+        link = UrLink(address_of(host), own, acceleration)
         clock = SystemClock()
         try:
             facts = first_facts(scenario, link, own, clock)

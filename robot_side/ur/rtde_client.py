@@ -110,7 +110,7 @@ class RtdeClient:
                 return 0
             self._flush()
             self._read(now_ns)
-        except (OSError, BrokenStreamError, struct.error, UnicodeDecodeError) as error:
+        except (OSError, BrokenStreamError, struct.error, UnicodeDecodeError, KeyError) as error:
             self._give_up(_words(error), now_ns)
         if self._socket is not None and not self._started and now_ns - self._progress_ns > to_ns(PATIENCE):
             self._give_up("it does not answer", now_ns)
@@ -253,6 +253,8 @@ class RtdeClient:
 
 
 def _words(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"it has a type that is not known: {error}"
     if isinstance(error, BrokenStreamError | struct.error | UnicodeDecodeError):
         return str(error)
     number = getattr(error, "errno", None)

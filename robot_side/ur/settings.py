@@ -1,14 +1,24 @@
 """What `[robot.ur]` may say."""
 
+import socket
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from farhand.common.errors import InputError
 from farhand.common.quantities import Vector3
 from farhand.common.scenario.section import Section
 
 Mass = Annotated[float, Meta(ge=0, le=30)]
 Offset = tuple[float, float, float, float, float, float]
+
+
+def address_of(host: str) -> str:
+    """The address of a controller by its name, once and for all: no control loop asks for names. Raises InputError."""
+    try:
+        return socket.gethostbyname(host)
+    except (OSError, UnicodeError) as error:
+        raise InputError(f"host {host!r}: no address is known by that name: {error}") from None
 
 
 class UrSettings(Section, frozen=True, kw_only=True):

@@ -36,6 +36,7 @@ def refused(capsys, *words):
         (("ur", "check", "--host", ""), "--host: is empty"),
         (("ur", "check", "--host", "127.0.0.1", "--model", "panda"), "is no UR arm"),
         (("ur", "recover", "--host", ""), "--host: is empty"),
+        (("ur", "recover", "--host", "no.such.host.invalid"), "no address is known by that name"),
         (("robot", "--host", "127.0.0.1", "--scenario", "panda-obstacle"), "has no UR arm"),
         (
             (
