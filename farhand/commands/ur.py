@@ -49,13 +49,12 @@ def emulator(
     from farhand.ur_emulator.scene import start_in
 
     start = _angles(joints)
-    if scenario:
-        model, found = start_in(scenario, model)
-        start = found if start is None else start
+    found = start_in(scenario, model) if scenario else None
     options = EmulatorOptions(
-        model=emulated_model(model or "ur5"),
+        model=emulated_model(model or "ur5") if found is None else found.model,
+        arm=None if found is None else found.arm,
         address=address,
-        joints=start,
+        joints=found.joints if found is not None and start is None else start,
         rate_hz=rate,
         then=then or (),
         local=local,

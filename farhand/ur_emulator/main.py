@@ -29,6 +29,7 @@ class EmulatorOptions:
 
     Attributes:
         model: which arm and controller.
+        arm: in place of the model's, where it is known by its files.
         address: of loopback, where it listens; several emulators have several.
         joints: where the arm stands (rad); None: at the model's home.
         rate_hz: cycles a second; None: the model's own.
@@ -39,6 +40,7 @@ class EmulatorOptions:
     """
 
     model: EmulatedModel
+    arm: ArmModel | None = None
     address: str = "127.0.0.1"
     joints: tuple[float, ...] | None = None
     rate_hz: float | None = None
@@ -51,7 +53,7 @@ class EmulatorOptions:
 def emulator_program(options: EmulatorOptions) -> int:
     """Run until it is told to end. Raises InputError for what cannot be used."""
     check_loopback(options.address)
-    arm = model(options.model.arm)
+    arm = options.arm or model(options.model.arm)
     q = start_of(arm, options.joints)
     stop_event, clock = stop_event_on_signals(), SystemClock()
     teller = Teller("ur emulator")

@@ -21,8 +21,8 @@ class EmulatedModel:
     version: tuple[int, int, int, int]
 
 
-SLOWEST = 125.0
-"""Hz, up to which a controller is one of the series before the e-Series."""
+FASTEST, SLOWEST = 500.0, 125.0
+"""Hz: of the e-Series, and up to which a controller is of a series before it."""
 CB3, E_SERIES = (3, 15, 8, 106339), (5, 12, 0, 1101319)
 """Versions of their software."""
 MODELS = {

@@ -4,6 +4,7 @@ It moves nothing. To measure the controller's loop it runs Farhand's own program
 """
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
@@ -31,6 +32,7 @@ MEASURED_FOR = 2.0
 LATE = 0.05
 """s of round trip from which the controller answers too late to be driven well."""
 SAME_PAYLOAD, SAME_PLACE, APART = 0.005, 0.002, 0.02
+_NAMED = re.compile(r"UR\d+e?\Z", re.IGNORECASE)
 _TELLS = 1 << 20  # in that register: the question has been answered
 
 
@@ -167,7 +169,7 @@ def _tool(facts: Facts, settings: UrSettings) -> list[Finding]:
 
 
 def _model(said: str, arm: ArmModel | None) -> list[Finding]:
-    if arm is None or not said.upper().startswith("UR"):
+    if arm is None or not _NAMED.match(arm.title) or not _NAMED.match(said):
         return [Finding("good", "model", said)]
     if said.upper().rstrip("E") != arm.title.upper().rstrip("E"):
         return [
