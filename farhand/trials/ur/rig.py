@@ -16,8 +16,8 @@ PATIENCE = 60.0
 LONGEST = 300.0
 """s that a command may take."""
 ROBOT = "ur"
-MOVING = 0.02
-"""m/s of the tool."""
+MOVING = 0.15
+"""m/s of the tool, from which it counts as driven."""
 STOOD = 0.3
 """s."""
 SPEED = 0.2
