@@ -149,7 +149,7 @@ def run_drives(address: str, rate_hz: float, networks: tuple[str, ...], as_json:
                 overruns=result["overruns"] / max(1, result["ticks"]),
             )
         )
-        say("trial", f"  {asdict(drives[-1])}")
+        say("trial", f"  {'good' if drives[-1].good else 'NOT GOOD'}")
     _show(drives, rate_hz, as_json)
     return 0 if all(each.good for each in drives) else 1
 

@@ -210,9 +210,9 @@ def run_ur_trial(address: str, rate_hz: float, names: tuple[str, ...], as_json: 
         try:
             for fault in FAULTS:
                 if not names or any(name in fault.name for name in names):
-                    say("trial", fault.name)
                     outcomes.append(strike(rig, fault))
-                    say("trial", f"  {asdict(outcomes[-1])}")
+                    judged = "good" if outcomes[-1].good else "NOT GOOD"
+                    say("trial", f"{fault.name}: stood after {outcomes[-1].standstill:.3f} s, {judged}")
         finally:
             rig.close()
     if as_json:
