@@ -174,15 +174,15 @@ def at_the_rate_of_its_device(scenario: "Scenario") -> "Scenario":
 
 def _recording(steer: str) -> str:
     """The file of `recorded:RUN`, which can be played; raises InputError."""
-    from farhand.laboratory.replay import find_recording
-    from farhand.operator_side.steering.course import read_course
+    from farhand.common.recording.place import recording_at
+    from farhand.operator_side.steering.recorded.course import read_course
 
     _, _, run = steer.partition(":")
     if not run:
         raise InputError(
             "--steer recorded: names no run; say --steer recorded:RUN, a run's folder or its recording"
         )
-    path = find_recording(Path(run)).resolve()
+    path = recording_at(Path(run)).resolve()
     read_course(path)
     return str(path)
 

@@ -285,8 +285,13 @@ def record(
         ),
     ] = "",
     frames: Annotated[
-        float, typer.Option(min=0.0, max=60.0, help="Pictures of a camera that are recorded, 1/s; 0: none.")
-    ] = 5.0,
+        float | None,
+        typer.Option(
+            min=0.0,
+            max=60.0,
+            help="Pictures of a camera that are recorded, 1/s; 0: none (default: 5, fewer where they are large).",
+        ),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="File to write (default: runs/TIME-ROBOT.mcap).")] = None,
 ) -> None:
     """Record a running operator: what arrived, what it decided and why, as an MCAP file that opens in Foxglove.

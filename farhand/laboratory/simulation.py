@@ -9,7 +9,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Protocol, TypedDict
 
 import msgspec
 
@@ -87,6 +87,8 @@ class Options(TypedDict, total=False):
         digest: hash every message.
         stop: asked after every tick of the operator; the run ends, as interrupted, once it is true.
         controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
+        listener: given the report of every tick of the operator.
+        tap: given every packet that the robot sends, as it leaves, and every one that reaches the operator.
     """
 
     keep_reports: bool
@@ -95,6 +97,18 @@ class Options(TypedDict, total=False):
     stop: Callable[[], bool]
     controller: Controller | None
     robot: Robot | None
+    listener: Callable[[ControlReport], None]
+    tap: "Tap"
+
+
+class Tap(Protocol):
+    """Who listens on both ends of the way back."""
+
+    def robot_sent(self, packet: Packet) -> None:
+        """A packet that leaves the robot."""
+
+    def operator_got(self, packet: Packet, now_ns: int) -> None:
+        """A packet that has reached the operator, at `now_ns`."""
 
 
 def simulate(  # noqa: PLR0913 (the friendly front door)
@@ -170,6 +184,8 @@ class _World:
         netem_robot_end, robot_end = self._executor.wire()
         if options.get("digest", False):
             _hash_traffic(operator_end, self._hasher.update)
+        if "tap" in options:
+            _listen(operator_end, robot_end, options["tap"])
         self._robot = self._make_robot(robot_end, options.get("robot"), closing)
         session = session_of(run.seed, "operator")
         self._recorder = _recorder(options.get("record_to"), run, session)
@@ -248,6 +264,8 @@ class _World:
         operator.listeners.append(self._tally.add)
         if options.get("keep_reports", False):
             operator.listeners.append(self._reports.append)
+        if "listener" in options:
+            operator.listeners.append(options["listener"])
         return operator
 
     def _add_nodes(self) -> None:
@@ -266,6 +284,8 @@ class _World:
             rtt_mean=rtt_mean,
             rtt_std=rtt_std,
             overruns=tally.last.overruns if tally.last is not None else 0,
+            lag=operator.response.lag,
+            acceleration=operator.response.acceleration,
         )
         return OperatorResult(
             **msgspec.structs.asdict(counted),
@@ -343,6 +363,21 @@ def _hash_traffic(end: MemoryLink, update: Callable[[bytes], None]) -> None:
         deliver(packet, now_ns)
 
     end.send, end.deliver = hashed_send, hashed_deliver  # type: ignore[method-assign]
+
+
+def _listen(operator_end: MemoryLink, robot_end: MemoryLink, tap: Tap) -> None:
+    """Give every packet of the way back to a tap as well, at both ends."""
+    send, deliver = robot_end.send, operator_end.deliver
+
+    def heard_send(packet: Packet) -> None:
+        tap.robot_sent(packet)
+        send(packet)
+
+    def heard_deliver(packet: Packet, now_ns: int) -> None:
+        tap.operator_got(packet, now_ns)
+        deliver(packet, now_ns)
+
+    robot_end.send, operator_end.deliver = heard_send, heard_deliver  # type: ignore[method-assign]
 
 
 def _close(robot: Robot) -> None:

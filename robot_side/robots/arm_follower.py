@@ -1,11 +1,15 @@
 """What every arm does with a twist of its tool, whatever drives its joints: guard, velocity control, what it says."""
 
+from collections.abc import Sequence
+from struct import Struct
+
 import numpy as np
 
 from farhand.common.geometry import STILL, Array, Twist
 from farhand.common.messages.intervention import Intervention
 from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.holder import holder
+from farhand.robot_side.arm.holder import prepare as prepare_holder
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
@@ -22,28 +26,36 @@ class ArmFollower:
         kinematics: of the arm.
         scenario: velocity control, guard, rate.
         q: (n,) where the joints are (rad).
+        chain: the arm's kinematics, to be shared with others who only look; None: one of its own.
 
     Attributes:
         control: the velocity control.
         commanded: (n,) joint velocities asked for last (rad/s).
-        q, qd: (n,) where the joints are, and how fast (rad, rad/s).
+        q, qd: (n,) where the joints are, and how fast (rad, rad/s); filled anew by each `observe`.
     """
 
-    def __init__(self, kinematics: Kinematics, scenario: RobotScenario, q: Array) -> None:
+    def __init__(
+        self, kinematics: Kinematics, scenario: RobotScenario, q: Array, chain: ArmChain | None = None
+    ) -> None:
         self._kinematics = kinematics
         arm = kinematics.arm
         self.control, self.guard = controls(kinematics, scenario)
-        self._chain = ArmChain(arm)
+        self._chain = ArmChain(arm) if chain is None else chain
         self._keeps_direction = scenario.robot.velocity_control == "direction"
         self.commanded: Array = np.zeros(arm.n)
         self._twist, self._wanted, self._omega = STILL, np.zeros(3), np.zeros(3)
+        # Positions and velocities of the joints, written together and in place: this happens in every period.
+        joints: Array = np.zeros(2 * arm.n)
+        self.q, self.qd, self._joints = joints[: arm.n], joints[arm.n :], joints.data
+        self._write = Struct(f"{2 * arm.n}d").pack_into
         self._positions: tuple[float, ...] = ()
-        self.observe(q, np.zeros(arm.n))
+        self.observe(q.tolist(), [0.0] * arm.n)
 
-    def observe(self, q: Array, qd: Array) -> None:
-        """The joints are here, and this fast; neither array is changed afterwards."""
-        self.q, self.qd, self._positions = q, qd, tuple(q.tolist())
-        self._tool = self._chain.at(q, qd)
+    def observe(self, q: Sequence[float], qd: Sequence[float]) -> None:
+        """The joints are here, and this fast (n each; rad, rad/s)."""
+        self._positions = tuple(q)
+        self._write(self._joints, 0, *q, *qd)
+        self._tool = self._chain.at(self.q, self.qd)
 
     def sample(self) -> RobotSample:
         """The state that was observed last."""
@@ -60,7 +72,9 @@ class ArmFollower:
         asked = None if self._keeps_direction else self._by_law(dt)
         joints = Joints(self.q, self.qd, self.commanded)
         R_base_wanted = self.control.R_base_wanted
-        self.commanded = self.guard.command(joints, self._wanted, self._omega, R_base_wanted, around, asked)
+        self.commanded = self.guard.command(
+            joints, self._wanted, self._omega, R_base_wanted, around, asked, self._chain
+        )
         return self.commanded
 
     def brake(self, dt: float) -> Array:
@@ -102,4 +116,5 @@ def controls(kinematics: Kinematics, scenario: RobotScenario) -> tuple[VelocityC
         else DampedLeastSquares(bounds, arm.max_velocity, down)
     )
     guard = ArmGuard(arm, scenario.guard, settings.lag, 1.0 / settings.rate_hz) if scenario.guard.on else None
+    prepare_holder(arm.n)
     return control, guard

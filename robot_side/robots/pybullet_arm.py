@@ -12,8 +12,10 @@ from farhand.common.geometry import Array, Twist
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
+from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
+from farhand.robot_side.kernel.body import moved_at_most
 from farhand.robot_side.robots.arm_follower import ArmFollower, controls
 from farhand.robot_side.robots.arms import chosen_arm
 from farhand.robot_side.robots.bullet import connect, quiet
@@ -46,8 +48,11 @@ class ArmWorld:
             raise ScenarioError(f"scenario {scenario.name}: {error}") from None
         self.kinematics = Kinematics(self.arm)
         self._q = _start_configuration(self.kinematics, scenario) if q is None else q
-        self._q_measured: Array = np.full(self.arm.n, np.inf)  # where the arm's clearance was measured last
-        self._lengths = _lengths(self.arm)
+        self._chain = ArmChain(self.arm)
+        self._chain.at(self._q, np.zeros(self.arm.n))
+        # the joints' frames where the arm's clearance was measured last
+        self._R_then, self._p_then = np.zeros((self.arm.n, 3, 3)), np.full((self.arm.n, 3), np.inf)
+        self._reach = _reach(self.arm)
         _check_targets(self.kinematics, self._q, scenario)
         self._bullet, self._client = connect()
         try:
@@ -67,6 +72,7 @@ class ArmWorld:
     def place(self, q: Array) -> None:
         """Put the arm at q (n,), rad, without any physics."""
         self._q = q
+        self._chain.at(q, np.zeros(self.arm.n))
         for index, angle in zip(self.joint_indices, q.tolist(), strict=True):
             self._bullet.resetJointState(self.body, index, angle, physicsClientId=self._client)
 
@@ -84,10 +90,15 @@ class ArmWorld:
         return names.get(nearest[2], "base"), nearest[1]
 
     def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
-        # A joint's turn moves no point by more than the arm is long from there on.
-        moved = float(np.abs(self._q - self._q_measured) @ self._lengths)
-        self._q_measured = self._q
-        return self._obstacles.nearest(obstacles, moved)
+        return self._obstacles.nearest(obstacles, self._moved())
+
+    def _moved(self) -> float:
+        """How far any point of the arm can have gone since this was asked last (m)."""
+        now = self._chain
+        moved: float = moved_at_most(
+            now.R_base_joint, now.p_base_joint, self._R_then, self._p_then, self._reach
+        )
+        return moved
 
     def _load_arm(self) -> None:
         bullet, client = self._bullet, self._client
@@ -150,11 +161,13 @@ class ArmRobot(ArmWorld, Robot):
         super().__init__(scenario)
         arm = self.arm
         self.joint_names, self.model = arm.joint_names, arm.name
-        self._follower = ArmFollower(self.kinematics, scenario, self._q)
+        self._follower = ArmFollower(self.kinematics, scenario, self._q, self._chain)
         self.control = self._follower.control
+        self._q = self._follower.q
         self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
+        self._moved()
 
     @classmethod
     def for_scenario(cls, scenario: RobotScenario) -> "ArmRobot":
@@ -215,7 +228,7 @@ class ArmRobot(ArmWorld, Robot):
             forces=self._forces,
             physicsClientId=client,
         )
-        bullet.stepSimulation(physicsClientId=client)
+        bullet.stepSimulation(client)
         self._read()
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
@@ -231,17 +244,15 @@ class ArmRobot(ArmWorld, Robot):
         return self.nearest_names(obstacles)
 
     def _read(self) -> None:
-        states = self._bullet.getJointStates(self.body, self.joint_indices, physicsClientId=self._client)
-        self._q = np.array([state[0] for state in states])
-        self._follower.observe(self._q, np.array([state[1] for state in states]))
+        states = self._bullet.getJointStates(self.body, self.joint_indices, self._client)
+        positions, velocities, _, _ = zip(*states, strict=True)
+        self._follower.observe(positions, velocities)
 
 
-def _lengths(arm: ArmModel) -> Array:
-    """(n,) no point that moves with a joint is farther than this from it (m)."""
+def _reach(arm: ArmModel) -> float:
+    """No point of a link is farther than this from the frame of the joint that moves it (m)."""
     ends = [float(np.linalg.norm(end)) + each.radius for each in arm.capsules for end in (each.a, each.b)]
-    to_the_joint = np.cumsum(np.linalg.norm(arm.p_parent_joint, axis=1))
-    lengths: Array = to_the_joint[-1] - to_the_joint + max(ends, default=0.0) + _SPARE
-    return lengths
+    return max(ends, default=0.0) + _SPARE
 
 
 def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:

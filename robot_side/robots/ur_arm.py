@@ -97,7 +97,7 @@ class UrRobot(Robot):
         """The newest state that the controller has sent."""
         facts = self._facts = self._link.poll(self._clock.now_ns())
         values = facts.values
-        self._follower.observe(np.array(values["actual_q"]), np.array(values["actual_qd"]))
+        self._follower.observe(values["actual_q"], values["actual_qd"])
         return self._follower.sample()
 
     def stopped_by(self) -> str:

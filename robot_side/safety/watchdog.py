@@ -8,6 +8,7 @@ stamp that the command echoes.
 
 from collections import Counter, OrderedDict, deque
 from dataclasses import dataclass
+from itertools import chain
 
 from farhand.common.geometry import STILL, Twist, norm
 from farhand.common.messages.base import SafetyMode
@@ -87,7 +88,7 @@ class Watchdog:
 
     def twist(self, now_ns: int) -> Twist:
         """The twist of the tool that is allowed at `now_ns` (base)."""
-        return STILL if self.latched else self._player.twist(now_ns)
+        return STILL if self.mode in _LATCHED else self._player.twist(now_ns)
 
     def tick(self, now_ns: int) -> None:
         """Let time act: timeouts and the end of a lease."""
@@ -268,10 +269,7 @@ def _outside(command: VelocityCommand) -> str:
 
 def _fastest(command: VelocityCommand) -> float:
     """Largest magnitude in any axis of the velocity and of its plan (m/s)."""
-    fastest = max(map(abs, command.velocity))
-    for velocity in command.plan:
-        fastest = max(fastest, *map(abs, velocity))
-    return fastest
+    return max(map(abs, chain(command.velocity, *command.plan)))
 
 
 def _fastest_turn(command: VelocityCommand) -> float:

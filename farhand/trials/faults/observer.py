@@ -1,6 +1,8 @@
-"""Prints what a program publishes, one JSON line a message; connects over loopback on its host.
+"""Prints what a program publishes, one JSON line a message; over loopback on its host.
 
-`slow` makes it a reader that takes a second for each message, in Zenoh's own thread.
+It connects to an endpoint, or listens at one (`listen=ENDPOINT`) for a program that connects to it: so it outlives that
+program, and hears the next from its first message on. `slow` makes it a reader that takes a second for each message,
+in Zenoh's own thread.
 """
 
 import json
@@ -21,6 +23,7 @@ from farhand.common.process.signals import die_with_parent
 from farhand.common.trust.tls import load_folder
 
 SLOWNESS = 1.0
+LISTEN = "listen="
 
 
 def state_row(state: RobotState) -> dict[str, Any]:
@@ -78,7 +81,9 @@ def main(endpoint: str, tls: str, robot: str, pace: str = "") -> None:
         if pace == "slow":
             threading.Event().wait(SLOWNESS)
 
-    session = open_session([endpoint], extra=load_folder(tls, "observer").settings("observer") if tls else ())
+    extra = load_folder(tls, "observer").settings("observer") if tls else ()
+    at = endpoint.removeprefix(LISTEN)
+    session = open_session([at] if at == endpoint else [], [] if at == endpoint else [at], extra=extra)
     for key in (state_key(robot), command_key(robot), report_key(robot)):
         session.declare_subscriber(key, receive)
     while True:

@@ -14,15 +14,22 @@ from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords,
 from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
 from farhand.trials.faults.judgement import MOVING, Outcome, Seen, judge
+from farhand.trials.faults.observer import LISTEN
 from farhand.trials.faults.watching import Watcher
 from farhand.trials.hosts import NETEM_FOR_OPERATOR, NETEM_FOR_ROBOT, Hosts
 
 ROBOT = "point"
 PATIENCE = 30.0
+FIRST_PATIENCE = 300.0
+"""Until it drives for the first time: on a new machine robot and solver are compiled before (s)."""
 AFTER = 1.0
+LAST = 8
+"""Lines of each program that are shown where none drives."""
 NETWORK = "constant:20"
 LAWFUL = "operator.alice"
 PROGRAMS = ("netem", "robot", "operator")
+STATES_SEEN, COMMANDS_SEEN = "tls/127.0.0.1:7453", "tls/127.0.0.1:7454"
+"""Where the observers listen: they outlive robot and operator, whose every message they hear."""
 
 
 class Rig:
@@ -35,6 +42,7 @@ class Rig:
 
     def __init__(self, folder: Path, attack_time: float = 5.0) -> None:
         self.folder, self.attack_time, self.clock = folder, attack_time, SystemClock()
+        self._patience = FIRST_PATIENCE
         self.certificates = folder / "certs"
         _issue_all(self.certificates, folder / "foreign")
         self.scenario_file = folder / "to-and-fro.toml"
@@ -42,10 +50,10 @@ class Rig:
         self.scenario = load_scenario(str(self.scenario_file))
         self.hosts = Hosts()
         self.programs: dict[str, subprocess.Popen[str]] = {}
+        self.states = self.observe("robot", f"{LISTEN}{STATES_SEEN}")
+        self.commands = self.observe("operator", f"{LISTEN}{COMMANDS_SEEN}")
         for program in PROGRAMS:
             self.start(program)
-        self.states = self.observe("robot", "tls/127.0.0.1:7450")
-        self.commands = self.observe("operator", "tls/127.0.0.1:7451")
         self.reports = self.observe("operator", "tcp/127.0.0.1:7446")
 
     def start(self, program: str, environment: Mapping[str, str] | None = None) -> None:
@@ -68,13 +76,13 @@ class Rig:
                 listen_robot="tls/0.0.0.0:7448",
             )
         if program == "robot":
-            near, listen = (f"tls/{NETEM_FOR_ROBOT}:7448",), ("tls/127.0.0.1:7450",)
+            near, listen = (f"tls/{NETEM_FOR_ROBOT}:7448", STATES_SEEN), ("tls/127.0.0.1:7450",)
             return RobotWords(tls=tls, robot=ROBOT, scenario=scenario, connect=near, listen=listen)
         return OperatorWords(
             tls=tls,
             robot=ROBOT,
             scenario=scenario,
-            connect=(f"tls/{NETEM_FOR_OPERATOR}:7447",),
+            connect=(f"tls/{NETEM_FOR_OPERATOR}:7447", COMMANDS_SEEN),
             listen=("tls/127.0.0.1:7451",),
             report="tcp/127.0.0.1:7446",
         )
@@ -147,7 +155,7 @@ class Rig:
 
     def start_observer(self, host: str, endpoint: str, pace: str = "") -> subprocess.Popen[str]:
         """An observer that runs on a host."""
-        tls = str(self.certificates / "observer.lab") if endpoint.startswith("tls/") else ""
+        tls = str(self.certificates / "observer.lab") if "tls/" in endpoint else ""
         return self.hosts.start(host, "farhand.trials.faults.observer", endpoint, tls, ROBOT, pace)
 
     def pause(self, seconds: float) -> None:
@@ -156,7 +164,8 @@ class Rig:
 
     def wait_driving(self, since_ns: int) -> bool:
         """Wait until the robot has been moving in mode run for half a second; whether that came."""
-        end_ns = self.clock.now_ns() + to_ns(PATIENCE)
+        patience, self._patience = self._patience, PATIENCE
+        end_ns = self.clock.now_ns() + to_ns(patience)
         while self.clock.now_ns() < end_ns:
             self.pause(0.1)
             recent = self.states.since(max(since_ns, self.clock.now_ns() - to_ns(0.6)))
@@ -167,7 +176,8 @@ class Rig:
     def measure(self, fault: Callable[[], Any]) -> tuple[Outcome, Any]:
         """One fault, from steady driving to driving again: what came of it, and what `fault` returns."""
         if not self.wait_driving(self.clock.now_ns()):
-            raise FarhandError(f"the robot does not drive: {self.said(dict.fromkeys(PROGRAMS, 0))}"[:2000])
+            last = {name: lines[-LAST:] for name, lines in self.said(dict.fromkeys(PROGRAMS, 0)).items()}
+            raise FarhandError(f"the robot does not drive; the last that was said: {last}")
         begin_ns = self.clock.now_ns()
         found = fault()
         end_ns = self.clock.now_ns()

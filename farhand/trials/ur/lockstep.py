@@ -63,7 +63,7 @@ class LockstepUr(Robot):
     def sample(self) -> RobotSample:
         """See Robot."""
         physics = self.controller.physics
-        self._follower.observe(physics.q, physics.qd)
+        self._follower.observe(physics.q.tolist(), physics.qd.tolist())
         return self._follower.sample()
 
     def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
