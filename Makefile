@@ -1,18 +1,22 @@
 # make demo   drive a UR5 past an obstacle over a bad network
-# make test   run all tests
+# make test   run the tests: under five minutes on two idle cores
+# make test-long  those that take too long for every time, and more examples of the others
 # make check  style, types, and the one way of imports
 # make bench  speed, as ratios from one run
 # make golden renew, on purpose, what the golden runs give, and say what changed
 # make page  build the console's page anew (Node)
 # make newer  prove one Python newer than 3.11, where pybullet's wheel for it is kept
 # make faults what breaks on a real network, on three hosts in namespaces (root)
-.PHONY: demo test check bench golden page newer .venv clean faults
+.PHONY: demo test test-long check bench golden page newer .venv clean faults
 
 demo: .venv
 	@.venv/bin/farhand demo $(ARGS)
 
 test: .venv/.ready-tests
 	@sh scripts/run-tests.sh $(ARGS)
+
+test-long: .venv/.ready-tests
+	@sh scripts/run-tests.sh long
 
 check: .venv/.ready-tests
 	@.venv/bin/ruff check .

@@ -17,6 +17,7 @@ NAMES = (
     "netem",
     "virtual_time",
     "seat",
+    "recording",
     "report",
     "ros2",
 )

@@ -42,6 +42,10 @@ class RunFileError(InputError):
     """A recorded run cannot be read."""
 
 
+class RecordingWarning(UserWarning):
+    """A recording is used that lacks something; says what."""
+
+
 class CertificateError(InputError):
     """A certificate folder cannot be used: incomplete, expired, or not for this."""
 

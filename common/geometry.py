@@ -79,7 +79,7 @@ def to_vector3(values: Iterable[float]) -> Vector3:
 
 def norm(values: Iterable[float]) -> float:
     """Euclidean norm of a vector of any length."""
-    return math.sqrt(sum(v * v for v in values))
+    return math.sqrt(sum([v * v for v in values]))
 
 
 def distance(a: Iterable[float], b: Iterable[float]) -> float:

@@ -6,6 +6,7 @@ the version stays; when the meaning of one changes, or one goes, the version ris
 
 import importlib.metadata
 import os
+from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,8 +17,9 @@ from farhand.common.errors import ResultError
 Kind = TypeVar("Kind", bound=msgspec.Struct)
 
 
+@cache
 def this_program() -> str:
-    """`farhand 0.2.0`, as installed."""
+    """`farhand 0.2.0`, as installed: read once, as a short task in virtual time takes little longer than reading it."""
     try:
         return f"farhand {importlib.metadata.version('farhand')}"
     except importlib.metadata.PackageNotFoundError:

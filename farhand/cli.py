@@ -3,13 +3,17 @@
 import errno
 import os
 import sys
+import warnings
+from typing import TextIO
 
 import typer
 
 from farhand.commands.arm import arm_app
+from farhand.commands.benchmark import benchmark_app
 from farhand.commands.certs import certs_app
 from farhand.commands.help_words import in_plain_words
 from farhand.commands.laboratory import register as register_experiments
+from farhand.commands.margin import margin_app
 from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
 from farhand.commands.recordings import register as register_recordings
@@ -17,7 +21,8 @@ from farhand.commands.ros2 import register as register_ros2
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
-from farhand.common.errors import FarhandError, InputError
+from farhand.commands.ur import ur_app
+from farhand.common.errors import FarhandError, InputError, RecordingWarning
 from farhand.common.process.signals import die_with_parent, interrupt_on_signals, say
 from farhand.common.process.terminal import spare_the_terminal
 
@@ -44,9 +49,12 @@ register_ros2(app)
 register_experiments(app)
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
+app.add_typer(margin_app, name="margin")
 app.add_typer(trial_app, name="trial")
+app.add_typer(benchmark_app, name="benchmark")
 app.add_typer(certs_app, name="certs")
 app.add_typer(arm_app, name="arm")
+app.add_typer(ur_app, name="ur")
 
 
 def run_program() -> int:
@@ -76,8 +84,11 @@ def run(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     die_with_parent()
     try:
-        command = in_plain_words(typer.main.get_command(app))
-        result = command(arguments, prog_name="farhand", standalone_mode=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", RecordingWarning)
+            warnings.showwarning = _say_warning
+            command = in_plain_words(typer.main.get_command(app))
+            result = command(arguments, prog_name="farhand", standalone_mode=False)
     except typer.Exit as end:
         return int(end.exit_code)
     except typer.Abort:
@@ -95,6 +106,21 @@ def run(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     return result if isinstance(result, int) else 0
+
+
+def _say_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """One of ours is for people; others are for who writes programs."""
+    if issubclass(category, RecordingWarning):
+        say("farhand", " ".join(str(message).split()))
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, filename, lineno))
 
 
 def _usage(error: Exception) -> str:

@@ -101,7 +101,8 @@ class NetemNode:
 
     def step(self, now_ns: int) -> int | None:
         """Take in what has arrived, release what is due; returns the next release instant."""
-        arrived = [direction.source.receive() for direction in self._both]
+        up, down = self._both
+        arrived = up.source.receive(), down.source.receive()
         if not self._started and any(arrived):
             firsts = [packets[0].arrived_ns or now_ns for packets in arrived if packets]
             self._start(min(now_ns, *firsts))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.sides import Free, way_round
-from farhand.operator_side.steering.sidestep import Progress
+from farhand.operator_side.steering.tester.sidestep import Progress
 
 AGAIN_NS = 90_000_000
 """How long the answer to one wish stands: looking round costs many times a tick at 50 Hz, and people read no faster."""

@@ -31,6 +31,7 @@ from farhand.operator_side.prediction.command_history import CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
 from farhand.operator_side.prediction.law import Known, Prediction, StatePredictor
 from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.operator_side.prediction.response import Identification, Response
 from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
 from farhand.operator_side.settings import OperatorScenario
@@ -51,18 +52,19 @@ class Mind:
     Attributes:
         robot: as it describes itself.
         innovations: errors of the predictions so far.
+        identification: how it really follows its commands.
         predictor: where it will be.
         filter: what it may do.
     """
 
     robot: RobotDescription
     innovations: Innovations
+    identification: Identification
     predictor: StatePredictor
     filter: SafetyFilter
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(msgspec.Struct, frozen=True):
     """What is known of the robot in a tick: newest state and scene, where it will be, and how wrong that may be."""
 
     state: RobotState
@@ -141,6 +143,7 @@ class Decider:
         predictor = scenario.operator.predictor or self._margin.predictor
         self._prediction_law = PREDICTORS.get(predictor, "operator.predictor")
         self._mind: Mind | None = None
+        self._described: RobotDescription | None = None  # the last one that said the same of the robot
         self._blockage = Blockage()
         self._refused_after = 0.0  # s from the first command to news of stale ones
         self.targets = Targets(scenario.operator.tolerance)
@@ -151,6 +154,12 @@ class Decider:
         """Learn from the newest state how good the predictions were."""
         if self._mind is not None:
             self._mind.innovations.observe(state)
+            self._mind.identification.observe(state)
+
+    @property
+    def response(self) -> Response:
+        """How the robot really followed its commands so far."""
+        return self._mind.identification.estimate() if self._mind is not None else Response()
 
     def step(self, seq: int, now_ns: int) -> Decided:
         """What command `seq` shall be; after a kind's fault, standing still. Never raises."""
@@ -230,13 +239,17 @@ class Decider:
         robot, mind, settings = self._perception.description, self._mind, self._scenario.controller
         if robot is None:
             return None
-        if mind is None or not (robot is mind.robot or robot.same_robot(mind.robot)):
+        if robot is self._described and mind is not None:
+            return mind
+        self._described = robot
+        if mind is None or not robot.same_robot(mind.robot):
             pace = self._pace
             known = Known(self._senses.history, self._session, pace.tick, robot.lag)
             trails = self._prediction_law.compensates_lag
             self._mind = mind = Mind(
                 robot,
                 Innovations(known, pace.ticks(self._scenario.margin.innovation_span)),
+                Identification(known),
                 self._prediction_law(known),
                 SafetyFilter(settings, self._controller, robot, trails=trails, tick=pace.tick),
             )
@@ -250,6 +263,10 @@ class Decider:
             rtt_std=self._round_trip.std,
             innovation=mind.innovations.largest,
             spread=prediction.spread,
+            rtt_newest=self._round_trip.newest or 0.0,
+            age=self._round_trip.age(now_ns),
+            loss=self._round_trip.loss or 0.0,
+            period=self._pace.tick,
         )
         return prediction, checked_margin(self._margin.evaluate(given))
 

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import msgspec
 
@@ -40,17 +40,17 @@ class ReportPublisher:
     Args:
         link: where reports go, on this side of the network only.
         name: the robot's name.
-        connected: whether anybody on the robot's side is connected; must not wait.
+        beside: what the program knows beside its node at an instant: other values of the report's fields; must not
+            wait.
     """
 
-    def __init__(self, link: Link, name: str, connected: Callable[[], bool] = lambda: True) -> None:
-        self._link, self._key, self._connected = link, report_key(name), connected
+    def __init__(self, link: Link, name: str, beside: Callable[[int], dict[str, Any]] = lambda _: {}) -> None:
+        self._link, self._key, self._beside = link, report_key(name), beside
 
     def __call__(self, report: ControlReport) -> None:
         """Send one report."""
-        if not self._connected():
-            report = msgspec.structs.replace(report, connected=False)
-        self._link.send(Packet(self._key, encode(report)))
+        told = msgspec.structs.replace(report, **self._beside(report.t_sent_ns))
+        self._link.send(Packet(self._key, encode(told)))
 
 
 class MirroredLink:

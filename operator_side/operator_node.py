@@ -26,6 +26,7 @@ from farhand.operator_side.deciding import Decided, Decider, Senses
 from farhand.operator_side.pace import pace_of
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.command_history import CommandHistory
+from farhand.operator_side.prediction.response import Response
 from farhand.operator_side.reporting import ReportWriter, Tick
 from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.settings import OperatorScenario
@@ -101,6 +102,11 @@ class OperatorNode:
     def fault(self) -> str:
         """What a kind got wrong, in one line: the node stands from then on; empty: nothing."""
         return self._decider.fault
+
+    @property
+    def response(self) -> Response:
+        """How the robot really followed its commands so far: identified, beside what it says of itself."""
+        return self._decider.response
 
     @property
     def driving_since_ns(self) -> int | None:

@@ -34,6 +34,9 @@ class OperatorCounts(msgspec.Struct, frozen=True, kw_only=True):
         states: of the robot that arrived.
         longest_silence: longest time without a state, from the first on (s).
         standing: ticks in which the robot made no progress for 3 s, by what held it.
+        lag: time constant with which the robot followed its commands, as identified from its states (s); None: they did
+            not tell.
+        acceleration: limit that it was seen to meet (m/s^2); None: none was.
     """
 
     ticks: int = 0
@@ -47,6 +50,8 @@ class OperatorCounts(msgspec.Struct, frozen=True, kw_only=True):
     states: int = 0
     longest_silence: float = 0.0
     standing: dict[str, int] = msgspec.field(default_factory=dict)
+    lag: float | None = None
+    acceleration: float | None = None
 
 
 class OperatorResult(OperatorCounts, frozen=True, kw_only=True, tag_field="program", tag="operator"):

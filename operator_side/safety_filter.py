@@ -1,7 +1,8 @@
 """From a desired velocity to a safe plan: margin and obstacles into the controller, its answer checked."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+import msgspec
 import numpy as np
 
 from farhand.common.geometry import Array, norm
@@ -21,8 +22,7 @@ from farhand.operator_side.prediction.law import Prediction
 from farhand.operator_side.seen_obstacles import SeenObstacles
 
 
-@dataclass(frozen=True, slots=True)
-class Filtered:
+class Filtered(msgspec.Struct, frozen=True):
     """Attributes:
     plan: (N, 3) to be sent (m/s).
     solution: the controller's answer.
@@ -38,8 +38,7 @@ class Filtered:
     lag_part: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Ahead:
+class Ahead(msgspec.Struct, frozen=True):
     """What a plan is to be found for.
 
     Attributes:
@@ -101,12 +100,14 @@ class SafetyFilter:
         spheres = obstacles.spheres
         desired, kept, trail = np.array(ahead.desired), radii, self._trail if spheres else None
         if trail is not None:
+            planes = spheres < len(radii)
+            body = radii[:spheres] if planes else radii
             away = position - seen.centres[:spheres]
             gaps = np.sqrt(np.add.reduce(away * away, axis=1))
             speeds = seen.speeds[:spheres]
-            desired = trail.desired(desired, radii[:spheres], gaps, speeds)
-            grown = trail.radii(radii[:spheres], desired, norm(ahead.state.velocity), speeds)
-            kept = np.concatenate([grown, radii[spheres:]])
+            desired = trail.desired(desired, body, gaps, speeds)
+            grown = trail.radii(body, desired, norm(ahead.state.velocity), speeds)
+            kept = np.concatenate([grown, radii[spheres:]]) if planes else grown
         problem = ControlProblem(
             position=position,
             desired=desired,
@@ -123,11 +124,11 @@ class SafetyFilter:
         binding = obstacles.ids[solution.binding] if solution.binding >= 0 else ""
         lag_part = 0.0
         if trail is not None:
-            balls = subset(problem, np.arange(spheres)) if spheres < len(radii) else problem
-            plan, reason = self._kept_from_corners(balls, radii[:spheres], plan, reason, ahead)
-            parts = grown - radii[:spheres]
-            lag_part = float(parts[np.argmin(gaps - radii[:spheres])])
-            trail.learn(desired, plan[0], float(np.max(parts)))
+            balls = subset(problem, np.arange(spheres)) if planes else problem
+            plan, reason = self._kept_from_corners(balls, body, plan, reason, ahead)
+            parts = grown - body
+            lag_part = float(parts[np.argmin(gaps - body)])
+            trail.learn(desired, plan[0], float(parts.max()))
         return Filtered(plan, solution, binding, reason, lag_part)
 
     def problem_from(self, start: Vector3) -> ControlProblem | None:

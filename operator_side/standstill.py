@@ -2,7 +2,8 @@
 
 import math
 from collections import deque
-from dataclasses import dataclass
+
+import msgspec
 
 from farhand.common.geometry import norm
 from farhand.common.messages.base import ZERO, Vector3
@@ -18,8 +19,7 @@ LEAST_WAY = 0.01
 OLD_NS = 1_000_000_000
 
 
-@dataclass(frozen=True, slots=True)
-class Attempt:
+class Attempt(msgspec.Struct, frozen=True):
     """One tick.
 
     Attributes:
@@ -41,8 +41,7 @@ class Attempt:
     guarded: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class _Past:
+class _Past(msgspec.Struct, frozen=True):
     """A tick, where the robot was, and what had come together before it since the first one.
 
     Attributes:

@@ -1,17 +1,22 @@
 #!/bin/sh
-# Runs the tests in two lanes at once, since those with real processes mostly wait, two files of them at a time: they
-# have the cores first, the others what is left. With arguments, runs pytest with them instead.
+# Runs the tests in two lanes at once, since those with real processes mostly wait: they have the cores first, the others
+# what is left. `long` runs, alone, what takes too long for every time. With other arguments, runs pytest with them.
 set -u
 cd "$(dirname "$0")/.."
 pytest=".venv/bin/python -m pytest"
+if [ "$*" = long ]; then
+    FARHAND_TESTS=thorough exec $pytest -m "long or thorough" -n 2 --dist worksteal
+fi
 [ $# -eq 0 ] || exec $pytest "$@"
 
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-nice -n 19 $pytest -m "not realtime and not hosts" >"$log" 2>&1 &
+nice -n 19 $pytest -m "not realtime and not hosts and not long" -n 2 --dist worksteal >"$log" 2>&1 &
 other=$!
 trap 'kill "$other" 2>/dev/null; exit 130' INT TERM
-$pytest -m "realtime or hosts" -n 2 --dist loadfile
+# Only the files that have such tests: each of the processes would import all others as well.
+files=$(grep -rlE --include="test_*.py" "mark\.(realtime|hosts)" tests)
+$pytest -m "(realtime or hosts) and not long" -n 3 --dist loadfile $files
 real=$?
 wait "$other"
 virtual=$?

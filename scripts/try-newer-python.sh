@@ -27,4 +27,4 @@ echo "farhand: proving $("$python" --version)"
 "$place/venv/bin/python" -m pip install -qq --disable-pip-version-check --find-links "$kept" --constraint requirements.lock \
     --editable ".[dev,dask,parquet,gamepad,spacemouse]"
 "$place/venv/bin/python" -m farhand demo --scenario point-obstacle --out "$place/demo"
-"$place/venv/bin/python" -m pytest -q -m "not realtime and not hosts and not slow" --ignore tests/docker -p no:cacheprovider
+"$place/venv/bin/python" -m pytest -q -m "not realtime and not hosts and not slow and not long" --ignore tests/docker -p no:cacheprovider

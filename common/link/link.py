@@ -5,16 +5,16 @@ The in-memory link joins two ends in one process; `zenoh_link.py` does the same 
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
+
+import msgspec
 
 from farhand.common.link.delivery import Keep
 
 INBOX_LIMIT = 4096
 
 
-@dataclass(slots=True)
-class Packet:
+class Packet(msgspec.Struct):
     """A message on the wire.
 
     Attributes:

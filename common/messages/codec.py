@@ -55,8 +55,9 @@ def _checks(payload: bytes, check: int) -> bool:
 
 
 # A number that is not finite has all bits of its exponent set. Elsewhere those bytes mean nothing, so that only where
-# they are found is every field looked at.
-_MAY_BE_NON_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]|\xca[\x7f\xff][\x80-\xff]", re.DOTALL).search
+# they are found is every field looked at. Two patterns: one that begins with a byte and no choice is found faster.
+_NON_FINITE_64 = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]", re.DOTALL).search
+_NON_FINITE_32 = re.compile(rb"\xca[\x7f\xff][\x80-\xff]", re.DOTALL).search
 
 
 class Decoder(Generic[M]):
@@ -96,7 +97,8 @@ class Decoder(Generic[M]):
             msgspec.structs.force_setattr(message, "check", msgspec.UNSET)
         if message.schema != SCHEMA:
             raise CodecError("schema", f"version {message.schema}, this program speaks {SCHEMA}")
-        field = _non_finite_field(message) if _MAY_BE_NON_FINITE(payload) else None
+        suspect = _NON_FINITE_64(payload) or _NON_FINITE_32(payload)
+        field = _non_finite_field(message) if suspect else None
         if field is not None:
             raise CodecError("non-finite", f"field {field}")
         return message

@@ -10,6 +10,7 @@ from farhand.common.messages.base import (
     Message,
     Name,
     NameOrNone,
+    NonNegative,
     Quaternion,
     Real,
     SafetyMode,
@@ -63,6 +64,9 @@ class ControlReport(Message, frozen=True, kw_only=True):
         free_side: the side on which the way round it is free: `left`, `right`, `above` or `below` of who looks along
             the way that is wanted; empty: none is, or nothing is in the way.
         guard: what the guard on the robot did since the last tick, the newest; None: nothing.
+        limit: distance that is kept without any margin (m); said by a program to who watches, never recorded.
+        recording: whether a recorder has said in the last moment that it writes; left out where none ever did. As
+            `limit`.
     """
 
     tick: Stamp
@@ -107,3 +111,5 @@ class ControlReport(Message, frozen=True, kw_only=True):
     blocked_by: NameOrNone = ""
     free_side: NameOrNone = ""
     guard: Intervention | None = None
+    limit: NonNegative | msgspec.UnsetType = msgspec.UNSET
+    recording: bool | msgspec.UnsetType = msgspec.UNSET

@@ -1,7 +1,8 @@
 """Console, gamepad or bridge to the operator's program, on its own host: what a hand wants now."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
+import msgspec
 from msgspec import Meta
 
 from farhand.common.messages.base import ZERO, Message, Name, Quaternion, Stamp, Vector3
@@ -43,3 +44,12 @@ class Steering(Message, frozen=True, kw_only=True):
     acknowledge: bool = False
     take: bool = False
     release: bool = False
+
+
+NOTHING = Steering(source="-", session=0, seq=0, t_sent_ns=0, device="-")
+"""What a hand wants that wants nothing, before it travels."""
+
+
+def unsent(**wanted: Any) -> Steering:
+    """What a hand wants, before it travels: whoever sends it fills in who it is and when."""
+    return msgspec.structs.replace(NOTHING, **wanted)

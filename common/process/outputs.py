@@ -21,7 +21,13 @@ def check_writable(path: Path | str | None, option: str) -> None:
     """
     if path is None or path == "":
         return
-    path = Path(path)
+    try:
+        _check_place(Path(path), option)
+    except OSError as error:
+        raise InputError(f"{option} {path}: cannot be written: {error.strerror or error}") from None
+
+
+def _check_place(path: Path, option: str) -> None:
     folder = path.resolve().parent
     if not folder.is_dir():
         raise InputError(f"{option} {path}: there is no folder {folder}")

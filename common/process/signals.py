@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
 
+from farhand.common.process.stop_event import StopEvent
+
 PARENT_VARIABLE = "FARHAND_PARENT"
 _PR_SET_PDEATHSIG = 1
 SAY_AFTER = 5.0
@@ -39,11 +41,11 @@ def interrupt_on_signals() -> None:
 
 
 def stop_event_on_signals() -> threading.Event:
-    """An event that SIGINT, SIGTERM and SIGHUP set; to be called from the main thread.
+    """An event that SIGINT, SIGTERM and SIGHUP set; to be called from the main thread, which may wait for it.
 
     A program that was started with SIGHUP ignored, as by nohup, goes on ignoring it.
     """
-    event = threading.Event()
+    event = StopEvent()
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
         event.set()

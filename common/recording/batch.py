@@ -10,12 +10,14 @@ BATCH_BYTES = 1 << 20
 """Ticks in one answer, about."""
 
 
-class TicksWanted(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class TicksWanted(Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):
     """Attributes:
     since: number of the first tick that is wanted.
+    written: number after the last tick that is in a file; None: whoever asks writes none, or could not.
     """
 
     since: Annotated[int, Meta(ge=0, le=2**62)]
+    written: Annotated[int, Meta(ge=0, le=2**62)] | None = None
 
 
 class TickBatch(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from itertools import islice
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -28,18 +29,14 @@ class History(Generic[T]):
         many there were in all when it looked.
         """
         count, things = self._look()
+        first = max(number, things[0][0]) if things else number
         found: list[T] = []
-        first = number
-        for place, thing in things:
-            if place < number:
-                continue
-            if not found:
-                first = place
+        for _, thing in islice(things, first - things[0][0] if things else 0, None):
             found.append(thing)
             size -= size_of(thing)
             if size <= 0:
                 break
-        return first, found, count
+        return (first if found else number), found, count
 
     def _look(self) -> tuple[int, list[tuple[int, T]]]:
         while True:

@@ -146,6 +146,22 @@ def chosen_scenario(
     return at_the_rate_of_its_device(replace_settings(load_scenario(name), replaced))
 
 
+def on_a_real_arm(scenario: "Scenario", host: str, model: str = "") -> "Scenario":
+    """The scenario with the real UR arm behind `host` in place of its own; raises InputError where that is no UR."""
+    from farhand.runs.scenario import replace_settings
+
+    known = model or scenario.robot.known_model
+    if scenario.robot.urdf is not None and not model:
+        return replace_settings(scenario, {"robot.kind": "ur", "robot.host": host})
+    if not known.startswith("ur"):
+        if model:
+            raise InputError(f"--model {model!r}: is no UR arm; there are ur3, ur5, ur10")
+        raise InputError(
+            f"--host {host}: scenario {scenario.name} has no UR arm: say robot.model, such as ur5"
+        )
+    return replace_settings(scenario, {"robot.kind": "ur", "robot.model": known, "robot.host": host})
+
+
 def at_the_rate_of_its_device(scenario: "Scenario") -> "Scenario":
     """The scenario, decided as often as what steers it asks for, where it says no rate itself; raises InputError."""
     from farhand.runs.scenario import replace_setting
@@ -158,15 +174,15 @@ def at_the_rate_of_its_device(scenario: "Scenario") -> "Scenario":
 
 def _recording(steer: str) -> str:
     """The file of `recorded:RUN`, which can be played; raises InputError."""
-    from farhand.laboratory.replay import find_recording
-    from farhand.operator_side.steering.course import read_course
+    from farhand.common.recording.place import recording_at
+    from farhand.operator_side.steering.recorded.course import read_course
 
     _, _, run = steer.partition(":")
     if not run:
         raise InputError(
             "--steer recorded: names no run; say --steer recorded:RUN, a run's folder or its recording"
         )
-    path = find_recording(Path(run)).resolve()
+    path = recording_at(Path(run)).resolve()
     read_course(path)
     return str(path)
 

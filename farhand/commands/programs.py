@@ -22,6 +22,7 @@ from farhand.commands.options import (
     SteerOption,
     TlsOption,
     chosen_scenario,
+    on_a_real_arm,
 )
 
 if TYPE_CHECKING:
@@ -112,6 +113,12 @@ def robot(
     connect: ConnectOption = None,
     listen: ListenOption = None,
     name: Annotated[str, typer.Option("--robot", help="Name of the robot, part of its keys.")] = "ur5",
+    host: Annotated[
+        str,
+        typer.Option(
+            help="Controller of a real UR arm: drive that, in place of the scenario's UR (docs/ur.md)."
+        ),
+    ] = "",
     guard: GuardOption = None,
     settings: SetOption = None,
     result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
@@ -125,6 +132,8 @@ def robot(
     from farhand.programs.robot import RobotOptions, robot_program
 
     chosen = chosen_scenario(scenario, settings, guard=guard)
+    if host:
+        chosen = on_a_real_arm(chosen, host)
     check_writable(result, "--result")
     options = RobotOptions(robot=name, result=result, realtime=realtime)
     raise typer.Exit(robot_program(chosen, _access(7448, connect, listen, tls, insecure, router), options))
@@ -276,8 +285,13 @@ def record(
         ),
     ] = "",
     frames: Annotated[
-        float, typer.Option(min=0.0, max=60.0, help="Pictures of a camera that are recorded, 1/s; 0: none.")
-    ] = 5.0,
+        float | None,
+        typer.Option(
+            min=0.0,
+            max=60.0,
+            help="Pictures of a camera that are recorded, 1/s; 0: none (default: 5, fewer where they are large).",
+        ),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="File to write (default: runs/TIME-ROBOT.mcap).")] = None,
 ) -> None:
     """Record a running operator: what arrived, what it decided and why, as an MCAP file that opens in Foxglove.

@@ -200,6 +200,14 @@ def export(
         str, typer.Option("--to", metavar="lerobot | rosbag2 | csv | parquet", help="In which form.")
     ],
     out: Annotated[Path, typer.Option("--out", help="Folder to make.")],
+    actions: Annotated[
+        str | None,
+        typer.Option(
+            "--actions",
+            metavar="velocity | position",
+            help="With --to lerobot: what `action` is: the velocity asked for (default), or the place it leads to.",
+        ),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace the export that is in --out already.")
     ] = False,
@@ -210,7 +218,7 @@ def export(
     """
     from farhand.exports.export import run_export
 
-    raise typer.Exit(run_export(runs, to, out, force=force))
+    raise typer.Exit(run_export(runs, to, out, force=force, actions=actions))
 
 
 def scenarios() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from farhand.common.errors import InputError, RunFileError
 from farhand.common.process.signals import say
+from farhand.exports.axes import ACTIONS, VELOCITY
 from farhand.exports.output import need, whole_folder
 from farhand.exports.source import Run, Source, run_at
 
@@ -19,7 +20,9 @@ PACKAGES: dict[str, tuple[str, ...]] = {
 """The forms, and what each needs beyond Farhand's own."""
 
 
-def run_export(paths: Sequence[Path], form: str, out: Path, *, force: bool = False) -> int:
+def run_export(
+    paths: Sequence[Path], form: str, out: Path, *, force: bool = False, actions: str | None = None
+) -> int:
     """Write recordings in another form; returns 0, or 1 where something is missing, which is said.
 
     Args:
@@ -27,16 +30,21 @@ def run_export(paths: Sequence[Path], form: str, out: Path, *, force: bool = Fal
         form: see PACKAGES.
         out: folder to make.
         force: replace an export that is there.
+        actions: of a LeRobot dataset: `velocity` or `position`; None: nothing is said.
 
     Raises:
         InputError: a run cannot be read, `out` cannot be written, a package is not installed.
     """
     if form not in PACKAGES:
         raise InputError(f"--to {form!r}: expected one of {', '.join(PACKAGES)}")
+    if actions is not None and form != "lerobot":
+        raise InputError(f"--actions: goes with --to lerobot, not with --to {form}")
+    if actions is not None and actions not in ACTIONS:
+        raise InputError(f"--actions {actions!r}: expected {' or '.join(ACTIONS)}")
     need(PACKAGES[form], form)
     runs = _named([run_at(path) for path in paths])
     with whole_folder(out, force=force) as stage:
-        sources = _writer(form)(runs, stage)
+        sources = _writer(form, actions or VELOCITY)(runs, stage)
         _check_something(sources)
     for source in sources:
         for note in source.notes:
@@ -46,11 +54,11 @@ def run_export(paths: Sequence[Path], form: str, out: Path, *, force: bool = Fal
     return 1 if any(source.notes for source in sources) else 0
 
 
-def _writer(form: str) -> Write:
+def _writer(form: str, actions: str) -> Write:
     if form == "lerobot":
         from farhand.exports.lerobot import write_dataset
 
-        return write_dataset
+        return lambda runs, folder: write_dataset(runs, folder, actions=actions)
     if form == "rosbag2":
         from farhand.exports.rosbag import write_bag
 

@@ -21,7 +21,8 @@ from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick
 from farhand.common.timing.clock import to_ns
-from farhand.exports.episodes import Episode, Episodes, Frame
+from farhand.exports.axes import PLACE, POSITION, VELOCITY, Axes, as_positions, axes_of, kept_axes
+from farhand.exports.episodes import Episode, Episodes, Frame, Values
 from farhand.exports.source import Run, Source, has_pictures
 from farhand.exports.statistics import Statistics
 from farhand.exports.video import Video
@@ -31,19 +32,18 @@ CAMERA_KEY = "observation.images.camera"
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEOS = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
-TWIST = ("x", "y", "z", "angular_x", "angular_y", "angular_z")
-TWISTS = ("action", "command.filtered", "command.applied", "observation.state")
-"""On the same axes: what is asked and what the robot does can be held against each other."""
-PLACE = ("x", "y", "z", "qw", "qx", "qy", "qz")
-NOISE = 1e-4
-"""m, rad: what changes less in a whole dataset stands still."""
 FLAGS = ("safety.intervening",)
 INDEX = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64",
          "task_index": "int64"}  # fmt: skip
 
 
-def write_dataset(runs: Sequence[Run], folder: Path) -> list[Source]:
+def write_dataset(runs: Sequence[Run], folder: Path, *, actions: str = VELOCITY) -> list[Source]:
     """Write it; returns what was read of each run.
+
+    Args:
+        runs: which, an episode each.
+        folder: to write into.
+        actions: one of ACTIONS.
 
     Raises:
         RunFileError: a recording cannot be read, or holds nothing that was driven.
@@ -55,6 +55,10 @@ def write_dataset(runs: Sequence[Run], folder: Path) -> list[Source]:
         raise InputError(f"--to lerobot: runs of one dataset are of one kind, but {told}")
     first = look[0]
     sources, episodes = [], list[Episode]()
+
+    def form(values: Values) -> Values:
+        return as_positions(values, 1.0 / first.fps) if actions == POSITION else values
+
     with ExitStack() as closing:
         video = Video(_video_path(folder), first.fps) if first.camera else None
         if video is not None:
@@ -66,11 +70,11 @@ def write_dataset(runs: Sequence[Run], folder: Path) -> list[Source]:
                 if video is not None:
                     video.add([frame.image for frame in episode.frames if frame.image is not None])
                 episodes.append(
-                    Episode(episode.task, [Frame(frame.values, None) for frame in episode.frames])
+                    Episode(episode.task, [Frame(form(frame.values), None) for frame in episode.frames])
                 )
     if not episodes:
         raise RunFileError(f"run {runs[0].path}: nothing was driven in it; expected commands in mode `run`")
-    _Dataset(folder, episodes, first, video).write()
+    _Dataset(folder, episodes, first, video, axes_of(actions)).write()
     return sources
 
 
@@ -84,13 +88,22 @@ class _Dataset:
     episodes: all of them.
     look: what they have in common.
     video: of all of them; None: there is none.
+    axes: of the features that share them.
     """
 
-    def __init__(self, folder: Path, episodes: list[Episode], look: "_Look", video: Video | None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        episodes: list[Episode],
+        look: "_Look",
+        video: Video | None,
+        axes: tuple[Axes, ...],
+    ) -> None:
         self._folder, self._episodes, self._look, self._video = folder, episodes, look, video
         self._tasks = list(dict.fromkeys(episode.task for episode in episodes))
         arrays = [_arrays(episode) for episode in episodes]
-        self._kept = self._chosen(arrays)
+        whole = {name: np.concatenate([each[name] for each in arrays]) for name in arrays[0]}
+        self._axes, self._kept = axes, kept_axes(whole, axes)
         self._values = [{name: each[name][:, kept] for name, kept in self._kept.items()} for each in arrays]
 
     def write(self) -> None:
@@ -103,17 +116,6 @@ class _Dataset:
         whole = {name: Statistics.of([each[name] for each in statistics]) for name in statistics[0]}
         write_json(self._folder / "meta/stats.json", {name: each.plain() for name, each in whole.items()})
         write_json(self._folder / "meta/info.json", self._info())
-
-    def _chosen(self, episodes: list[dict[str, Array]]) -> dict[str, list[int]]:
-        """The entries of each feature that are kept: what never changes teaches nothing, and cannot be normalised."""
-        whole = {name: np.concatenate([each[name] for each in episodes]) for name in episodes[0]}
-        changing = {
-            name: np.flatnonzero(np.ptp(values, axis=0) > (0.0 if name in TWISTS else NOISE))
-            for name, values in whole.items()
-        }
-        axes = sorted({int(axis) for name in TWISTS[:3] for axis in changing[name]}) or [0, 1, 2]
-        kept = {name: axes if name in TWISTS else [int(i) for i in found] for name, found in changing.items()}
-        return {name: entries for name, entries in kept.items() if entries}
 
     def _frames(self, number: int) -> dict[str, Column]:
         """The columns that every dataset has, of one episode."""
@@ -227,8 +229,9 @@ class _Dataset:
         }
 
     def _names(self, feature: str) -> list[str]:
-        if feature in TWISTS:
-            names: Sequence[str] = TWIST
+        shared = next((axes.names for axes in self._axes if feature in axes.features), None)
+        if shared is not None:
+            names: Sequence[str] = shared
         elif feature == "observation.environment_state":
             names = (*PLACE, *self._look.joints)
         else:

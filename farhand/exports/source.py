@@ -8,11 +8,11 @@ import msgspec
 
 from farhand.common.recording.decoded import DecodedTick, TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
+from farhand.common.recording.place import recording_at
 from farhand.common.recording.reader import DAMAGED, Entry, RunReader
 from farhand.common.recording.records import TICK, Gap, RunInfo, TickRecord
 from farhand.exports.images import Image, image_of
 from farhand.runs.files import RECORDING
-from farhand.runs.recordings import recording_at
 
 CAMERA = "/camera"
 _FATE_TOPICS = frozenset(FATE_TOPICS.values())

@@ -8,15 +8,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import BinaryIO
 
+import msgspec
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Message, Schema
+from mcap.records import Channel, Chunk, Message, Metadata, Schema, Statistics
 from mcap.stream_reader import breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
 from farhand.common.errors import RunFileError
 from farhand.common.recording.mcap_file import ChannelSpec
 from farhand.common.recording.reader import LARGEST_RECORD, RunReader
+from farhand.common.recording.records import GAP, Gap, unsealed
 
 _HEAD = struct.Struct("<BQ")
 _SPAN = struct.Struct("<QQ")
@@ -48,6 +50,8 @@ class RecordedTopics:
         specs: its channels.
         chunks: in the order of the file.
         cut_off: it ends early.
+        missing: ticks that are not in it, as the recorder noted.
+        damaged: parts that cannot be read or contradict others, as far as was looked.
 
     Raises:
         RunFileError: it cannot be read, is no recording, or holds nothing.
@@ -59,6 +63,8 @@ class RecordedTopics:
         self.info = reader.info
         self.chunks: list[ChunkAt] = []
         self.cut_off = True
+        self.damaged = self.missing = 0
+        self._broken: set[int] = set()
         self._numbers: dict[int, int] = {}
         specs: list[ChannelSpec] = []
         self._file = path.open("rb")
@@ -69,17 +75,14 @@ class RecordedTopics:
                 self.chunks.append(ChunkAt(at, size, first_ns, last_ns))
             elif opcode == Opcode.MESSAGE_INDEX and self.chunks:
                 self.chunks[-1].channels.add(int.from_bytes(self._bytes(at, 2), "little"))
-            elif opcode == Opcode.SCHEMA:
-                schema = Schema.read(self._stream(at, size))
-                schemas[schema.id] = schema
-            elif opcode == Opcode.CHANNEL:
-                channel = Channel.read(self._stream(at, size))
-                if channel.id not in self._numbers and channel.schema_id in schemas:
-                    self._numbers[channel.id] = len(specs) + 1
-                    specs.append(_spec(channel, schemas[channel.schema_id]))
-            elif opcode == Opcode.DATA_END:
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._describe(opcode, self._stream(at, size), schemas, specs)
+            elif opcode == Opcode.METADATA:
+                self._take_gap(self._stream(at, size))
+            elif opcode == Opcode.STATISTICS:
+                self._compare(self._stream(at, size))
+            elif opcode == Opcode.DATA_END:  # after it the file says again what it holds
                 self.cut_off = False
-                break
         self.specs = tuple(specs)
         if not self.chunks:
             raise RunFileError(f"run {path}: holds no message; expected a recording of a run that began")
@@ -90,6 +93,58 @@ class RecordedTopics:
     def close(self) -> None:
         """Read no more."""
         self._file.close()
+
+    def _describe(
+        self, opcode: int, content: ReadDataStream, schemas: dict[int, Schema], specs: list[ChannelSpec]
+    ) -> None:
+        """Take a schema or a channel; the end of the file repeats those of its beginning."""
+        try:
+            if opcode == Opcode.SCHEMA:
+                schema = Schema.read(content)
+                schemas.setdefault(schema.id, schema)
+                return
+            channel = Channel.read(content)
+            spec = _spec(channel, schemas[channel.schema_id])
+            number = self._numbers.setdefault(channel.id, len(specs) + 1)
+            if number > len(specs):
+                specs.append(spec)
+            self.damaged += spec != specs[number - 1]
+        except Exception:  # of what the bytes say: lengths, text, a schema that there is not
+            self.damaged += 1
+
+    def _take_gap(self, content: ReadDataStream) -> None:
+        try:
+            record = Metadata.read(content)
+            if record.name == GAP:
+                self.missing += msgspec.json.decode(unsealed(record.metadata), type=Gap).ticks
+        except Exception:  # of what the bytes say
+            self.damaged += 1
+
+    def _compare(self, content: ReadDataStream) -> None:
+        """The span of the chunks, by which they are found, with that of the messages."""
+        try:
+            said = Statistics.read(content)
+            span = said.message_start_time, said.message_end_time
+        except Exception:  # of what the bytes say
+            span = None
+        self.damaged += bool(self.chunks) and span != (
+            min(chunk.first_ns for chunk in self.chunks),
+            max(chunk.last_ns for chunk in self.chunks),
+        )
+
+    @property
+    def lacks(self) -> list[str]:
+        """A line about each thing that is missing, as far as was looked."""
+        lines = []
+        if self.info.first_tick:
+            lines.append(f"recording began with tick {self.info.first_tick} of the run")
+        if self.cut_off:
+            lines.append("the file ends early; what was before the cut is there")
+        if self.missing:
+            lines.append(f"{self.missing} ticks are missing: they could not be written")
+        if self.damaged:
+            lines.append(f"{self.damaged} damaged parts of the file are left out, so far")
+        return lines
 
     def number_of(self, topic: str) -> int | None:
         """A channel's number from 1 on; None: there is none."""
@@ -108,6 +163,8 @@ class RecordedTopics:
         try:
             records = breakup_chunk(Chunk.read(self._stream(at.start, at.size)), validate_crc=True)
         except Exception:  # of the decompression, the checksum, or what the bytes then say
+            self.damaged += chunk not in self._broken
+            self._broken.add(chunk)
             return []
         found = [
             (record.log_time, self._numbers[record.channel_id], record.data)

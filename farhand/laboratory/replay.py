@@ -17,6 +17,7 @@ from farhand.common.messages.base import Vector3
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.report import ControlReport
+from farhand.common.recording.place import recording_at
 from farhand.common.recording.reader import RecordedRun, read_run
 from farhand.common.recording.records import TickRecord
 from farhand.laboratory.replay_scenario import scenario_of
@@ -27,7 +28,6 @@ from farhand.operator_side.prepare import prepare
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 from farhand.operator_side.supervision import ESTOP_ASKED
 from farhand.programs.wiring import make_operator, versions
-from farhand.runs.files import RECORDING
 from farhand.runs.scenario import Scenario
 
 
@@ -128,15 +128,6 @@ class Replay:
         return {name: (then[name], now.get(name, "absent")) for name in then if then[name] != now.get(name)}
 
 
-def find_recording(path: Path) -> Path:
-    """The recording in a run's folder, or the file itself; raises RunFileError."""
-    if path.is_dir():
-        path = path / RECORDING
-    if not path.is_file():
-        raise RunFileError(f"run {path}: no such file; expected a run's folder or its {RECORDING}")
-    return path
-
-
 def replay(
     path: Path, settings: dict[str, object] | None = None, controller: Controller | None = None
 ) -> Replay:
@@ -150,7 +141,7 @@ def replay(
     Raises:
         InputError: the file is not readable at all, or a setting makes no sense in a replay.
     """
-    run = read_run(find_recording(path))
+    run = read_run(recording_at(path))
     scenario = scenario_of(run, path, settings or {})
     changed = bool(settings) or controller is not None
     link, steering = RecordedLink(), RecordedSteering()

@@ -10,8 +10,8 @@ from farhand.common.process.signals import say, stopped_by_signals
 from farhand.laboratory.simulation import simulate_run
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.result import sample_of
+from farhand.operator_side.steering.hand.remote import Remote
 from farhand.operator_side.steering.registry import DEVICES
-from farhand.operator_side.steering.remote import Remote
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.report.write import conclude_report
 from farhand.runs.figure import draw_run

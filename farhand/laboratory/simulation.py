@@ -9,10 +9,11 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Protocol, TypedDict
 
 import msgspec
 
+from farhand.common.errors import InputError
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.fates import Fate
@@ -38,7 +39,7 @@ from farhand.programs.wiring import (
     versions,
 )
 from farhand.robot_side.robot_node import RobotNode
-from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.robots.registry import ROBOTS, make_robot
 from farhand.robot_side.robots.robot import Robot
 from farhand.runs.results import RunResults
 from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run
@@ -86,6 +87,8 @@ class Options(TypedDict, total=False):
         digest: hash every message.
         stop: asked after every tick of the operator; the run ends, as interrupted, once it is true.
         controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
+        listener: given the report of every tick of the operator.
+        tap: given every packet that the robot sends, as it leaves, and every one that reaches the operator.
     """
 
     keep_reports: bool
@@ -94,6 +97,18 @@ class Options(TypedDict, total=False):
     stop: Callable[[], bool]
     controller: Controller | None
     robot: Robot | None
+    listener: Callable[[ControlReport], None]
+    tap: "Tap"
+
+
+class Tap(Protocol):
+    """Who listens on both ends of the way back."""
+
+    def robot_sent(self, packet: Packet) -> None:
+        """A packet that leaves the robot."""
+
+    def operator_got(self, packet: Packet, now_ns: int) -> None:
+        """A packet that has reached the operator, at `now_ns`."""
 
 
 def simulate(  # noqa: PLR0913 (the friendly front door)
@@ -169,6 +184,8 @@ class _World:
         netem_robot_end, robot_end = self._executor.wire()
         if options.get("digest", False):
             _hash_traffic(operator_end, self._hasher.update)
+        if "tap" in options:
+            _listen(operator_end, robot_end, options["tap"])
         self._robot = self._make_robot(robot_end, options.get("robot"), closing)
         session = session_of(run.seed, "operator")
         self._recorder = _recorder(options.get("record_to"), run, session)
@@ -221,6 +238,10 @@ class _World:
     def _make_robot(self, link: MemoryLink, robot: Robot | None, closing: ExitStack) -> RobotNode:
         scenario = self._run.scenario
         if robot is None:
+            if ROBOTS.get(scenario.robot.kind, "robot.kind").is_real:
+                raise InputError(
+                    f"robot.kind {scenario.robot.kind!r}: virtual time cannot drive a real robot; simulate kind 'arm'"
+                )
             robot = make_robot(scenario)
             closing.callback(_close, robot)  # a world of PyBullet is 30 MB that stay otherwise
         return make_robot_node(
@@ -243,6 +264,8 @@ class _World:
         operator.listeners.append(self._tally.add)
         if options.get("keep_reports", False):
             operator.listeners.append(self._reports.append)
+        if "listener" in options:
+            operator.listeners.append(options["listener"])
         return operator
 
     def _add_nodes(self) -> None:
@@ -261,6 +284,8 @@ class _World:
             rtt_mean=rtt_mean,
             rtt_std=rtt_std,
             overruns=tally.last.overruns if tally.last is not None else 0,
+            lag=operator.response.lag,
+            acceleration=operator.response.acceleration,
         )
         return OperatorResult(
             **msgspec.structs.asdict(counted),
@@ -338,6 +363,21 @@ def _hash_traffic(end: MemoryLink, update: Callable[[bytes], None]) -> None:
         deliver(packet, now_ns)
 
     end.send, end.deliver = hashed_send, hashed_deliver  # type: ignore[method-assign]
+
+
+def _listen(operator_end: MemoryLink, robot_end: MemoryLink, tap: Tap) -> None:
+    """Give every packet of the way back to a tap as well, at both ends."""
+    send, deliver = robot_end.send, operator_end.deliver
+
+    def heard_send(packet: Packet) -> None:
+        tap.robot_sent(packet)
+        send(packet)
+
+    def heard_deliver(packet: Packet, now_ns: int) -> None:
+        tap.operator_got(packet, now_ns)
+        deliver(packet, now_ns)
+
+    robot_end.send, operator_end.deliver = heard_send, heard_deliver  # type: ignore[method-assign]
 
 
 def _close(robot: Robot) -> None:

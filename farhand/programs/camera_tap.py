@@ -1,5 +1,6 @@
 """Pictures that pass an operator's report endpoint, for its recorder: some a second, each with its time of day."""
 
+import math
 from collections import deque
 
 import zenoh
@@ -19,10 +20,19 @@ class CameraTap:
     robot: the robot's name.
     clock: of this process.
     rate_hz: pictures a second that are kept, of a camera that takes more; 0: none.
+    most: bytes a second that are kept; larger pictures are fewer.
     """
 
-    def __init__(self, session: zenoh.Session, robot: str, clock: SystemClock, rate_hz: float) -> None:
-        self._clock = clock
+    def __init__(
+        self,
+        session: zenoh.Session,
+        robot: str,
+        clock: SystemClock,
+        rate_hz: float,
+        *,
+        most: float = math.inf,
+    ) -> None:
+        self._clock, self._most = clock, most
         self._between_ns = 1e9 / rate_hz if rate_hz > 0.0 else 0.0
         self._next_ns = 0.0
         self._decoder = Decoder(CameraFrame)
@@ -47,5 +57,7 @@ class CameraTap:
         now_ns = self._clock.now_ns()
         if now_ns < self._next_ns - self._between_ns / 4:
             return
-        self._next_ns = max(self._next_ns + self._between_ns, float(now_ns))
-        self._waiting.append((now_ns, sample.payload.to_bytes()))
+        payload = sample.payload.to_bytes()
+        between_ns = max(self._between_ns, len(payload) * 1e9 / self._most)
+        self._next_ns = max(self._next_ns, now_ns - self._between_ns) + between_ns
+        self._waiting.append((now_ns, payload))

@@ -24,6 +24,7 @@ class FollowedRun:
         next, next_fate: numbers of the first tick and fate that are not in it.
         missing_fates: that an emulator kept no more.
         first: number of the first tick that is.
+        written: number after the last tick that was written; None where there is none, or the last try failed.
         done: nothing more will come.
         whole: the operator's program said itself that this was all.
         file: None until the first batch.
@@ -31,6 +32,7 @@ class FollowedRun:
 
     def __init__(self, begin: Callable[[RunInfo], RunFile]) -> None:
         self.next = self.first = 0
+        self.written: int | None = None
         self.done = self.whole = False
         self.file: RunFile | None = None
         self.next_fate = self.missing_fates = 0
@@ -46,6 +48,7 @@ class FollowedRun:
             self.done = True
             return
         assert self.file is not None
+        missed = self.file.missing
         for tick in batch.ticks:
             if tick.number > self.next:
                 self.file.gap(
@@ -61,6 +64,7 @@ class FollowedRun:
                 self.next, self._last_ns = tick.number + 1, tick.now_ns
         if not batch.more:
             self.file.flush()
+            self.written = self.next if self.file.missing == missed and batch.ticks else None
         self.done = self.whole = batch.ended
 
     def take_frames(self, frames: Sequence[tuple[int, CameraFrame]]) -> None:

@@ -11,6 +11,7 @@ from farhand.common.messages.keys import check_robot_name
 from farhand.common.process.security import local_only
 from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.recording.batch import TickBatch
+from farhand.common.recording.place import recording_at
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import SystemClock, to_ns
@@ -25,7 +26,6 @@ from farhand.netem.control import control_endpoint
 from farhand.programs.camera_tap import CameraTap
 from farhand.programs.followed_run import FollowedRun
 from farhand.programs.tick_sources import Sources, opened
-from farhand.runs.recordings import recording_at
 
 ASK_EVERY = 0.05
 FRAMES_HZ = 20.0
@@ -72,8 +72,6 @@ def _play(
 ) -> None:
     topics = RecordedTopics(recording_at(run))
     closing.callback(topics.close)
-    if topics.cut_off:
-        say("foxglove", f"{run}: the file ends early; what was before the cut is there")
     channels: list[Channels] = []
     playback = Playback(
         Player(topics, lambda number, log_ns, data: channels[0].add(number, log_ns, data)),
@@ -85,9 +83,16 @@ def _play(
     closing.callback(server.close)
     channels.append(server.channels(topics.specs))
     say("foxglove", f"{opened_by(server, SHIPPED)}; Ctrl-C ends it")
-    told_ns = -1
+    told_ns, lacks = -1, list[str]()
     while not stop_event.is_set():
         asked = playback.asked.is_set()
+        if topics.lacks != lacks:
+            for line in topics.lacks:
+                if line not in lacks:
+                    say("foxglove", f"{run}: {line}")
+            lacks = topics.lacks
+        if asked and lacks:  # somebody may look who was not there before
+            server.trouble("; ".join(lacks))
         playback.asked.clear()
         changed = playback.go_on(clock.now_ns())
         if asked or playback.shown_ns != told_ns:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import zenoh
@@ -41,8 +42,8 @@ from farhand.operator_side.main import Mirror, MirroredLink, OperatorOutcome, Re
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
 from farhand.operator_side.steering.device import SteeringDevice
+from farhand.operator_side.steering.hand.remote import Remote
 from farhand.operator_side.steering.registry import make_device
-from farhand.operator_side.steering.remote import Remote
 from farhand.operator_side.tick_history import TickHistory
 from farhand.programs.compiling import prepare_aloud
 from farhand.programs.series import Series
@@ -178,14 +179,20 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         handover = HandoverServer(node, slot, clock, report_session, robot, options.report, teller.say)
         closing.callback(handover.close)
         if report_session is not None and report_link is not None:
-            node.listeners.append(ReportPublisher(report_link, robot, lambda: not watch.alone))
             stopper = EstopServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(stopper.close)
             clearer = AcknowledgeServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(clearer.close)
             node.recorder = history = TickHistory()
             info = _run_info(options, scenario, identity, controller.settings.solver, clock.epoch_ns())
-            closing.callback(TickServer(history, info, report_session).close)
+            ticks = TickServer(history, info, report_session, clock.now_ns)
+            closing.callback(ticks.close)
+            limit = scenario.controller.d_min
+
+            def beside(now_ns: int) -> dict[str, Any]:
+                return {"connected": not watch.alone, "limit": limit, "recording": ticks.recording(now_ns)}
+
+            node.listeners.append(ReportPublisher(report_link, robot, beside))
         unheard = _unheard(robot, folder, access.router)
         watch = PeerWatch(
             "operator", access.where, link.connected, stop_event, heard.is_set, unheard, link.losses
@@ -276,6 +283,8 @@ def _result(
         rtt_std=rtt_std,
         overruns=outcome.overruns,
         lateness_p99=outcome.lateness_p99,
+        lag=node.response.lag,
+        acceleration=node.response.acceleration,
     )
     return OperatorResult(
         **msgspec.structs.asdict(counted),

@@ -4,6 +4,7 @@ It asks again and again rather than being sent to: so nothing is lost where it, 
 slow for a while, and one that comes late gets what was before.
 """
 
+import math
 import threading
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -21,8 +22,8 @@ from farhand.programs.camera_tap import CameraTap
 from farhand.programs.followed_run import FollowedRun
 from farhand.programs.tick_sources import Sources, opened
 
-FRAMES_HZ = 5.0
-"""A picture of 8 kB five times a second is 2.4 MB a minute, which is about what everything else is."""
+FRAMES_HZ, FRAMES_BYTES = 5.0, 40e3
+"""Pictures a second, and their bytes, where nothing is said: 2.4 MB a minute at most, less than everything else."""
 ASK_EVERY, REST_EVERY = 0.2, 0.05
 REST_NS = to_ns(1.0)
 """How long, once it is told to end, it goes on for what an operator's program that ends as well still has to say."""
@@ -38,14 +39,15 @@ class RecorderOptions:
         robot: the robot's name.
         connect: the operator's report endpoint.
         netem: the emulator's control endpoint, for what became of every message; empty: not recorded.
-        frames: pictures a second that are recorded, of a camera that takes more (1/s).
+        frames: pictures a second that are recorded, of a camera that takes more (1/s); None: FRAMES_HZ, and fewer
+            where they would be more than FRAMES_BYTES.
         out: file to write; None: `runs/TIME-ROBOT.mcap`.
     """
 
     robot: str
     connect: str
     netem: str = ""
-    frames: float = FRAMES_HZ
+    frames: float | None = None
     out: Path | None = None
 
 
@@ -62,7 +64,8 @@ def recorder_program(options: RecorderOptions) -> int:
         netem = closing.enter_context(opened(control_endpoint(options.netem))) if options.netem else None
         closing.callback(recording.close)
         say("record", f"waits for the operator of robot {robot!r} at {connect}; Ctrl-C ends it")
-        camera = CameraTap(operator, robot, clock, options.frames)
+        rate, most = (FRAMES_HZ, FRAMES_BYTES) if options.frames is None else (options.frames, math.inf)
+        camera = CameraTap(operator, robot, clock, rate, most=most)
         _record(recording, Sources(operator, netem, robot), camera, clock, stop_event)
     return _conclude(recording, out, told=stop_event.is_set())
 
@@ -84,7 +87,7 @@ def _record(
     told_ns: int | None = None
     said, pause = False, threading.Event()
     while not recording.done:
-        batch = sources.ticks(recording.next)
+        batch = sources.ticks(recording.next, recording.written)
         now_ns = clock.now_ns()
         if told_ns is None and stop_event.is_set():
             told_ns = now_ns

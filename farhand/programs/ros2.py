@@ -29,11 +29,11 @@ from farhand.common.messages.keys import (
 from farhand.common.process.security import Access, local_only, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
+from farhand.common.recording.place import recording_at
 from farhand.common.recording.reader import read_run
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
 from farhand.programs.sessions import random_session
-from farhand.runs.recordings import recording_at
 
 SWITCH_INTERVAL = 0.0005
 """How long the thread that draws may keep the loop's from running (s)."""

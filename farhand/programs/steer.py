@@ -25,12 +25,12 @@ from farhand.operator_side.devices.hand import Hand
 from farhand.operator_side.devices.playback_node import PlaybackNode
 from farhand.operator_side.devices.reading import Source
 from farhand.operator_side.devices.sources import SOURCES
-from farhand.operator_side.steering.course import read_course
-from farhand.operator_side.steering.hand_settings import HandSettings
-from farhand.operator_side.steering.playback import Playback
-from farhand.operator_side.steering.recorded import RecordedSettings
+from farhand.operator_side.steering.hand.hand_settings import HandSettings
+from farhand.operator_side.steering.hand.sender import SteeringSender
+from farhand.operator_side.steering.recorded.course import read_course
+from farhand.operator_side.steering.recorded.playback import Playback
+from farhand.operator_side.steering.recorded.recorded import RecordedSettings
 from farhand.operator_side.steering.registry import DEVICES
-from farhand.operator_side.steering.sender import SteeringSender
 from farhand.programs.sessions import random_session
 from farhand.runs.scenario import Scenario
 

@@ -39,9 +39,12 @@ class Sources:
     def __init__(self, operator: zenoh.Session, netem: zenoh.Session | None, robot: str) -> None:
         self._operator, self._netem, self._key = operator, netem, ticks_key(robot)
 
-    def ticks(self, since: int) -> TickBatch | None:
-        """The ticks from a number on; None: nobody answers. Raises RunFileError where the answer cannot be read."""
-        return _ask(self._operator, self._key, TicksWanted(since=since), TickBatch)
+    def ticks(self, since: int, written: int | None = None) -> TickBatch | None:
+        """The ticks from a number on; None: nobody answers. Raises RunFileError where the answer cannot be read.
+
+        `written` says, for those who drive, up to which number ticks are in a file.
+        """
+        return _ask(self._operator, self._key, TicksWanted(since=since, written=written), TickBatch)
 
     def fates(self, since: int) -> FateBatch | None:
         """The same of what became of messages."""

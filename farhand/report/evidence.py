@@ -3,14 +3,13 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import msgspec
-
-from farhand.common.errors import InputError, ResultError
+from farhand.common.errors import ResultError
+from farhand.common.recording.place import recording_at
 from farhand.common.result_file import read_result
 from farhand.report.story import Story, read_story
 from farhand.robot_side.result import RobotCounts, RobotResult
 from farhand.runs.files import RECORDING, ROBOT, SUMMARY
-from farhand.runs.summary import RunSummary
+from farhand.runs.summary import RunSummary, read_summary
 
 
 @dataclass
@@ -30,20 +29,9 @@ class Evidence:
     lacks: list[str] = field(default_factory=list)
 
 
-def recording_of(run: Path) -> Path:
-    """The recording of a run's folder, or the file itself; raises InputError."""
-    if not run.exists():
-        raise InputError(f"{run}: no such file or folder; expected a run's folder or its {RECORDING}")
-    if run.is_dir():
-        if not (run / RECORDING).is_file():
-            raise InputError(f"{run}: holds no {RECORDING}; expected the folder of a recorded run")
-        return run / RECORDING
-    return run
-
-
 def read_evidence(run: Path) -> Evidence:
     """A run by its folder or its recording alone; raises InputError where nothing can be read."""
-    story = read_story(recording_of(run))
+    story = read_story(recording_at(run))
     folder = run.resolve() if run.is_dir() else None
     found = Evidence(name=_name(run.resolve()), story=story)
     if folder is None:
@@ -64,18 +52,16 @@ def _name(run: Path) -> str:
 
 def _read_summary(found: Evidence, folder: Path) -> None:
     try:
-        data = (folder / SUMMARY).read_bytes()
-        summary = msgspec.json.decode(data, type=RunSummary)
-    except FileNotFoundError:
-        found.lacks.append(
-            f"there is no {SUMMARY}: whether the run was safe by the robot's own count is unknown"
-        )
-    except OSError as error:
-        found.lacks.append(f"{SUMMARY} cannot be read: {error.strerror}")
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-        found.lacks.append(f"{SUMMARY} cannot be read: {error}")
+        summary = read_summary(folder)
+    except ResultError as error:
+        found.lacks.append(str(error))
     else:
-        _compare(found, summary)
+        if summary is None:
+            found.lacks.append(
+                f"there is no {SUMMARY}: whether the run was safe by the robot's own count is unknown"
+            )
+        else:
+            _compare(found, summary)
     if found.robot is None:
         try:
             found.robot = read_result(folder / ROBOT, RobotResult)

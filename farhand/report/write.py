@@ -7,6 +7,7 @@ from rich.console import Console
 
 from farhand.common.errors import InputError
 from farhand.common.process.outputs import check_writable, survive
+from farhand.common.recording.place import recording_at
 from farhand.common.result_file import write_whole
 from farhand.report.as_json import to_json
 from farhand.report.evidence import read_evidence
@@ -38,6 +39,8 @@ def conclude_report(folder: Path, console: Console) -> None:
 
 def run_report(runs: Sequence[Path], out: Path | None, as_json: bool) -> int:
     """Write the page of one run or two, or with `as_json` print their figures; returns 0. Raises InputError."""
+    for each in runs:
+        recording_at(each)  # before it is asked where the page goes
     wanted = out if out is not None or as_json else _beside(runs)
     check_writable(wanted, "--out")
     found = [read_evidence(each) for each in runs]

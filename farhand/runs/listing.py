@@ -2,6 +2,8 @@
 
 import fcntl
 import os
+import struct
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,16 +11,18 @@ import msgspec
 from mcap.reader import make_reader
 from mcap.writer import MCAP0_MAGIC
 
-from farhand.common.errors import InputError, RunFileError
+from farhand.common.errors import InputError, ResultError, RunFileError
 from farhand.common.recording.reader import RunReader
 from farhand.common.recording.records import RunInfo
 from farhand.common.timing.clock import utc_seconds
 from farhand.runs.files import RECORDING, RESULTS, RUN_FILES, SUMMARY
-from farhand.runs.summary import RunSummary
+from farhand.runs.summary import read_summary
 
 RECENT = 60.0
 """A recording without an end that was changed in the last minute is being written to (s)."""
 SUFFIX = ".mcap"
+_FOOTER, _CHECK = struct.Struct("<QQI"), 4
+"""At the end of a file: where its summary begins, and its groups; the checksum, which covers all before itself."""
 
 
 class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
@@ -56,14 +60,30 @@ class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
 
 def list_runs(folder: Path) -> list[ListedRun]:
     """The runs in a folder, or the one that it is, oldest first; raises InputError where it cannot be read."""
-    if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder; expected one that holds runs")
     try:
+        if not folder.is_dir():
+            raise InputError(f"{folder}: no such folder; expected one that holds runs")
         entries = [folder] if is_run(folder) else sorted(folder.iterdir())
-        found = [_of_folder(each) if each.is_dir() else _of_file(each) for each in entries if is_run(each)]
     except OSError as error:
         raise InputError(f"{folder}: cannot be read: {error.strerror or error}") from None
-    return sorted(found, key=lambda each: (each.when, each.path))
+    found = [_listed(each) for each in entries]
+    return sorted((each for each in found if each is not None), key=lambda each: (each.when, each.path))
+
+
+def _listed(path: Path) -> ListedRun | None:
+    """An entry, as far as it can be read; None: it is no run, or was removed just now."""
+    try:
+        if not is_run(path):
+            return None
+        return _of_folder(path) if path.is_dir() else _of_file(path)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        try:
+            when = path.stat().st_mtime
+        except OSError:
+            return None
+        return ListedRun(path=str(path), when=when, note=f"cannot be read: {error.strerror or error}")
 
 
 def is_run(path: Path) -> bool:
@@ -91,12 +111,15 @@ def files_of(path: Path) -> Iterator[Path]:
 def _of_folder(folder: Path) -> ListedRun:
     summary, notes = None, []
     try:
-        summary = msgspec.json.decode((folder / SUMMARY).read_bytes(), type=RunSummary)
-    except FileNotFoundError:
-        notes.append(f"no {SUMMARY}")
-    except (OSError, msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        summary = read_summary(folder)
+        if summary is None:
+            notes.append(f"no {SUMMARY}")
+    except ResultError:
         notes.append(f"{SUMMARY} cannot be read")
     found = _of_file(folder / RECORDING) if (folder / RECORDING).is_file() else None
+    if found is not None and summary is not None and found.scenario not in (None, summary.scenario):
+        summary = None
+        notes.append(f"{SUMMARY} is of another run")
     if found is not None and found.note:
         notes.append(found.note)
     files = list(files_of(folder))
@@ -141,9 +164,16 @@ def _of_file(path: Path) -> ListedRun:
 
 
 def _span(path: Path) -> tuple[int, int] | None:
-    """First and last instant of a recording by the summary at its end (ns); None: it has none."""
+    """First and last instant of a recording by the summary at its end (ns); None: it has none that can be trusted."""
     try:
         with path.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - _FOOTER.size - len(MCAP0_MAGIC)))
+            start, _, check = _FOOTER.unpack(file.read(_FOOTER.size))
+            file.seek(start)
+            if not check or zlib.crc32(file.read(size - start - _CHECK - len(MCAP0_MAGIC))) != check:
+                return None
+            file.seek(0)
             summary = make_reader(file).get_summary()
     except (
         Exception

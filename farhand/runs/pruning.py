@@ -49,6 +49,13 @@ def remove(path: Path) -> str:
 
     A link, a folder that is no run, and one that a program is writing to stay as they are.
     """
+    try:
+        return _remove(path)
+    except OSError as error:
+        return f"cannot be removed: {error.strerror or error}"
+
+
+def _remove(path: Path) -> str:
     if path.is_symlink() or not is_run(path):
         return "is no run of its own"
     if is_written(path):
@@ -58,14 +65,11 @@ def remove(path: Path) -> str:
             hold_folder(path, "run")
         except InputError:
             return "is being written to"
-    try:
-        for file in list(files_of(path)):
-            file.unlink()
+    for file in list(files_of(path)):
+        file.unlink()
+    if path.is_dir():
+        with suppress(OSError):
+            path.rmdir()
         if path.is_dir():
-            with suppress(OSError):
-                path.rmdir()
-            if path.is_dir():
-                return "is gone; other files in its folder stay"
-    except OSError as error:
-        return f"cannot be removed: {error.strerror or error}"
+            return "is gone; other files in its folder stay"
     return ""

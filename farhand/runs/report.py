@@ -12,6 +12,8 @@ from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
 
 SHOWN_STOPS = 5
+LAG_OFF, LAG_NEAR = 0.3, 0.02
+"""A lag that is off by more than this share, and by more than this (s), is said."""
 
 
 def print_outcome(
@@ -74,6 +76,7 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
         ("stops", _stops(summary)),
         ("refused", f"{summary.refused} commands: {count_reasons(summary.refused_by.items())}"),
         ("stood", _stood(summary)),
+        ("follows", _follows(summary)),
     ]
     left_out = {"refused"} if not summary.refused else set()
     return [(label, text) for label, text in rows if text and label not in left_out]
@@ -93,6 +96,15 @@ def _arm(summary: RunSummary) -> str:
     part = f", {summary.nearest_part}" if summary.nearest_part else ""
     to = f" to {summary.nearest_to_arm!r}" if summary.nearest_to_arm else ""
     return f"{summary.min_arm_clearance * 1e3:.1f} mm least, of the bare arm without that sphere{part}{to}"
+
+
+def _follows(summary: RunSummary) -> str:
+    """Only where the robot follows otherwise than the scenario says: predictions are as good as its lag is."""
+    operator = summary.counts.operator
+    seen, said = (operator.lag if operator is not None else None), summary.lag
+    if seen is None or said is None or abs(seen - said) <= max(LAG_OFF * said, LAG_NEAR):
+        return ""
+    return f"its commands with a lag of some {seen * 1e3:.0f} ms; robot.lag says {said * 1e3:g} ms"
 
 
 def _lost(netem: NetemCounts | None) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 
+from farhand.common.errors import ResultError
 from farhand.common.messages.base import SafetyMode
 from farhand.common.result_file import write_whole
 from farhand.operator_side.pace import pace_of
@@ -42,6 +43,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         guard_pairs: part and obstacle for whose sake the guard on the robot acted, longest first.
         nearest_part, nearest_to_arm: the part of the arm that came nearest to an obstacle, and that obstacle.
         period: of a control tick (s).
+        lag: of the robot's velocity response, as the scenario says (s).
         acknowledges_itself: whether the steering device acknowledges stops without a person.
         refused: commands that the robot refused.
         refused_by: the same by reason.
@@ -88,6 +90,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     nearest_to_arm: str = ""
     guard_pairs: list[GuardedPair] = msgspec.field(default_factory=list)
     period: float = 0.1
+    lag: float | None = None
     acknowledges_itself: bool = False
     counts: Counts = Counts()
 
@@ -157,6 +160,7 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
         why=why,
         driven=driven,
         too_near=near,
+        lag=scenario.robot.lag,
         interruptions=[(t - began, mode, reason) for t, mode, reason in robot.interruptions],
         radius=scenario.robot.radius,
         nearest_obstacle=robot.nearest_obstacle,
@@ -187,6 +191,21 @@ def write_summary(summary: RunSummary, folder: Path) -> Path:
     path = folder / SUMMARY
     write_whole(path, json.dumps(msgspec.to_builtins(summary), indent=1) + "\n")
     return path
+
+
+def read_summary(folder: Path) -> RunSummary | None:
+    """The summary in a folder; None: there is none. Raises ResultError with what is wrong with it."""
+    path = folder / SUMMARY
+    try:
+        if path.exists() and not path.is_file():
+            raise ResultError(f"{SUMMARY} cannot be read: it is no file")
+        return msgspec.json.decode(path.read_bytes(), type=RunSummary)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise ResultError(f"{SUMMARY} cannot be read: {error.strerror or error}") from None
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise ResultError(f"{SUMMARY} cannot be read: {error}") from None
 
 
 def count_reasons(items: Iterable[tuple[str, int]]) -> str:

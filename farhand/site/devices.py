@@ -16,8 +16,8 @@ from farhand.common.process.signals import stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.operator_side.devices.reading import Reading, Source
 from farhand.operator_side.devices.sources import SOURCES, lacking
-from farhand.operator_side.steering.gamepad import STICKS
-from farhand.operator_side.steering.spacemouse import CAP_AXES
+from farhand.operator_side.steering.hand.gamepad import STICKS
+from farhand.operator_side.steering.hand.spacemouse import CAP_AXES
 
 PERIOD = 0.05
 NOTHING = (

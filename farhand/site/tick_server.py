@@ -1,6 +1,7 @@
 """An operator's half of `farhand record`: gives the newest ticks to whoever comes for them, in a thread of its own."""
 
 import threading
+from collections.abc import Callable
 
 import msgspec
 import zenoh
@@ -11,6 +12,8 @@ from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.common.recording.records import RunInfo
 from farhand.operator_side.tick_history import TickHistory
 
+CONFIRMED_NS = 1_500_000_000
+"""A recorder says some five times a second what it has written; silent for so long it is not writing."""
 FAREWELL = 0.8
 """How long an ending program waits for a recorder that has come before (s)."""
 
@@ -20,10 +23,15 @@ class TickServer:
     history: what is given.
     info: of the run.
     session: where requests come from, on this host only.
+    now_ns: this process's clock.
     """
 
-    def __init__(self, history: TickHistory, info: RunInfo, session: zenoh.Session) -> None:
-        self._history, self._info = history, info
+    def __init__(
+        self, history: TickHistory, info: RunInfo, session: zenoh.Session, now_ns: Callable[[], int]
+    ) -> None:
+        self._history, self._info, self._now_ns = history, info, now_ns
+        self._written = -1
+        self._written_ns: int | None = None
         self._ended = self._asked = False
         self._told_all = threading.Event()
         self._desk = Desk("ticks", self._look, Requests(session, ticks_key(info.robot)))
@@ -42,9 +50,16 @@ class TickServer:
         except msgspec.MsgspecError:
             return None
         self._asked = True
+        if wanted.written is not None and wanted.written > self._written:
+            self._written, self._written_ns = wanted.written, self._now_ns()
         ended = self._ended  # before the ticks are looked at, so that "all" is not said too early
         ticks, more = self._history.since(wanted.since)
         return TickBatch(info=self._info, ticks=ticks, more=more, ended=ended and not more)
+
+    def recording(self, now_ns: int) -> bool | msgspec.UnsetType:
+        """Whether somebody has written further ticks to a file within CONFIRMED_NS; UNSET: nobody ever has."""
+        written_ns = self._written_ns
+        return msgspec.UNSET if written_ns is None else now_ns - written_ns < CONFIRMED_NS
 
     def _look(self, request: Request | None) -> None:
         if request is not None:

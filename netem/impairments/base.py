@@ -89,8 +89,7 @@ class Pending:
     puts_off: Callable[[int], bool]
 
 
-@dataclass(slots=True)
-class Transit:
+class Transit(msgspec.Struct, eq=False):
     """One message, or one copy of it, on its way through a direction.
 
     Attributes:

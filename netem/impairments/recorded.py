@@ -6,22 +6,24 @@ times, as in virtual time, their fates are the very same; where they come at ano
 end the recording begins anew.
 """
 
+import warnings
 from bisect import bisect_left
 from collections import defaultdict
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
 import msgspec
 
-from farhand.common.errors import RunFileError
+from farhand.common.errors import RecordingWarning, RunFileError
 from farhand.common.messages.keys import kind_of
 from farhand.common.recording.fates import DELIVERED, FATE_TOPICS, ON_THE_WAY, Fate
-from farhand.common.recording.reader import Entry, RunReader
+from farhand.common.recording.place import recording_at
+from farhand.common.recording.reader import RunReader
+from farhand.common.recording.records import Gap
 from farhand.netem.impairments.base import Impairment, ImpairmentContext, Stage, Transit, Word, flip
 from farhand.netem.words.reader import SpecReader, path_text
-
-RECORDING = "run.mcap"
 
 
 class Recorded(Word, frozen=True):
@@ -105,11 +107,7 @@ class Fates:
 
 def recorded_fates(path: str) -> Fates:
     """A recording's network; raises RunFileError."""
-    file = Path(path)
-    if file.is_dir():
-        file /= RECORDING
-    if not file.is_file():
-        raise RunFileError(f"recorded:{path}: no such file; expected a run's folder or its {RECORDING}")
+    file = recording_at(Path(path), called=f"recorded:{path}")
     return _read(file, path, file.stat().st_mtime_ns)
 
 
@@ -117,13 +115,17 @@ def recorded_fates(path: str) -> Fates:
 def _read(file: Path, path: str, _changed_ns: int) -> Fates:
     reader = RunReader(file)
     decode = msgspec.json.Decoder(Fate).decode
+    counted = gaps = 0
     rows: dict[tuple[str, str], dict[int, list[Fate]]] = defaultdict(dict)
     topics = set(FATE_TOPICS.values())
     last_ns = 0
     try:
         for item in reader.items(lambda topic: topic in topics):
-            if isinstance(item, Entry):
+            if isinstance(item, Gap):
+                gaps += item.ticks
+            else:
                 fate = decode(item.data)
+                counted += 1
                 rows[fate.direction, fate.key].setdefault(fate.number, []).append(fate)
                 last_ns = max(last_ns, fate.arrived_ns)
     except msgspec.MsgspecError as error:
@@ -133,7 +135,24 @@ def _read(file: Path, path: str, _changed_ns: int) -> Fates:
             f"recorded:{path}: holds no network; it is recorded by `farhand record --netem ENDPOINT`, the demo and "
             "`farhand simulate`"
         )
+    for lack in _lacks(reader, counted, gaps, set(rows)):
+        warnings.warn(f"recorded:{path}: {lack}", RecordingWarning, stacklevel=2)
     return Fates({key: _course(numbered, last_ns) for key, numbered in rows.items()})
+
+
+def _lacks(reader: RunReader, counted: int, gaps: int, courses: set[tuple[str, str]]) -> Iterator[str]:
+    """A line about each thing that makes it another network than the one that was."""
+    promised = sum(reader.promised.get(topic, 0) for topic in FATE_TOPICS.values())
+    if reader.cut_off:
+        yield "the file ends early; the network until then is repeated"
+    if gaps:
+        yield f"{gaps} ticks are missing in it, and what the network did meanwhile"
+    if promised > counted or (reader.damaged and not promised):
+        lost = f"of {promised - counted}" if promised else "of some"
+        yield f"what became {lost} messages is missing; they are taken for the ones next to them"
+    for direction in FATE_TOPICS:
+        if all(way != direction for way, _ in courses):
+            yield f"it holds no message of the {direction}, which is not impaired then"
 
 
 def _course(numbered: dict[int, list[Fate]], last_ns: int) -> Course:

@@ -6,7 +6,6 @@ back, without the operator's own link.
 """
 
 from collections import OrderedDict
-from dataclasses import dataclass
 
 import msgspec
 
@@ -25,8 +24,7 @@ class _Stamps(msgspec.Struct):
     echo: Echo | None = None
 
 
-@dataclass(slots=True)
-class CommandMark:
+class CommandMark(msgspec.Struct):
     """A command on its way.
 
     Attributes:
@@ -38,8 +36,7 @@ class CommandMark:
     delivered: bool = False
 
 
-@dataclass(slots=True)
-class EchoMark:
+class EchoMark(msgspec.Struct):
     """A state on its way back.
 
     Attributes:

@@ -16,7 +16,7 @@ from farhand.operator_side.console.said import ChooseNetwork, Ordered
 from farhand.operator_side.console.seat import Seat
 from farhand.operator_side.console.sight import Sight
 from farhand.operator_side.console.status import LOST_AFTER, Situation, lost, unheard
-from farhand.operator_side.steering.sender import SteeringSender
+from farhand.operator_side.steering.hand.sender import SteeringSender
 
 FindModel = Callable[[str], RobotModel | None]
 """The drawing of a model by its name; None where there is none."""
@@ -68,8 +68,8 @@ class Console:
             if packet.key == self._camera_key:
                 self._sight.note(packet.arrived_ns)
         self.camera.look(self.picture, now_ns)
-        if self.picture.state is not None and self.picture.state.mode == "estop":
-            self.seat.stopped()
+        if self.picture.state is not None:
+            self.seat.robot_shows(estop=self.picture.state.mode == "estop")
         now = self._situation(now_ns)
         self.seat.lock(lost(now))
         self._absence.note(unheard(now), now_ns, pressed=now.holds)

@@ -1,16 +1,18 @@
 """What pages are told, as builtin types that MessagePack knows: a frame many times a second, the rest on change."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import msgspec
 
 from farhand.common.messages.description import RobotDescription
+from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
+from farhand.operator_side.console.nearness import tool_to
 from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.picture import NEVER, Picture
 from farhand.operator_side.console.seat import Seat
-from farhand.operator_side.console.status import Situation, reasons, unheard
+from farhand.operator_side.console.status import LATE_AFTER, Situation, reasons, unheard
 
 
 def _words(text: str) -> tuple[str, ...]:
@@ -38,12 +40,15 @@ def situation(
         picture.state,
         report_age,
         state_age,
-        driver.name if driver is not None else "",
-        seat.holds(now_ns),
-        seat.stopping,
-        outage,
-        frozen,
-        was_lost,
+        driver=driver.name if driver is not None else "",
+        asks=next((page.name for page in seat.pages.values() if page.asks), ""),
+        holds=seat.holds(now_ns),
+        stopping=seat.stopping,
+        outage=outage,
+        frozen=frozen,
+        was_lost=was_lost,
+        near=tool_to(picture, picture.report.binding) if picture.report and picture.report.binding else None,
+        stopped_by=seat.stopped_by,
     )
 
 
@@ -58,12 +63,13 @@ def frame(
     """What page `number` is told of one instant."""
     state, report = picture.state, picture.report
     page = seat.pages.get(number)
+    now = replace(now, watches=number != seat.driver)
     return {
         "kind": "frame",
         "stamp": now_ns // 1_000_000,
         "state": {name: getattr(state, name) for name in _STATE} if state is not None else None,
         "guard": msgspec.to_builtins(state.guard) if state is not None and state.guard else None,
-        "report": {name: getattr(report, name) for name in _REPORT} if report is not None else None,
+        "report": _report(report) if report is not None else None,
         "age": _age(now.state_age),
         "report_age": _age(now.report_age),
         "path": picture.path if not unheard(now) else [],
@@ -79,8 +85,21 @@ def frame(
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
         "counts": seat.counts(number, now_ns),
         "late": seat.strays(number, now_ns),
+        "recording": _recording(now),
         "networks": _network(network, changeable=number == seat.driver) if network is not None else None,
     }
+
+
+def _report(report: ControlReport) -> dict[str, Any]:
+    limit = None if report.limit is msgspec.UNSET else report.limit
+    return {name: getattr(report, name) for name in _REPORT} | {"limit": limit}
+
+
+def _recording(now: Situation) -> bool | None:
+    """Whether a recorder writes; None: none ever did, or it is not known by now."""
+    if now.report is None or now.report.recording is msgspec.UNSET or now.report_age > LATE_AFTER:
+        return None
+    return now.report.recording
 
 
 def scene_told(scene: Scene) -> dict[str, Any]:

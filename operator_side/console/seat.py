@@ -4,11 +4,13 @@ One drives, the others watch. A page that closes, freezes or falls silent has le
 late, twice or out of order moves nothing.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
+import msgspec
+
+from farhand.common.messages.steering import Steering, unsent
 from farhand.operator_side.console.said import ChooseNetwork, CutNetwork, Do, Ordered, Steer
-from farhand.operator_side.steering.latch import Latch
-from farhand.operator_side.steering.wish import Wish
+from farhand.operator_side.steering.hand.latch import Latch
 
 GONE_AFTER_NS = 3_000_000_000
 """A driver that says nothing for so long drives no more."""
@@ -72,6 +74,8 @@ class Seat:
     driver: number of the page that drives; 0: none.
     locked: why nobody may drive now; empty: nothing is in the way.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
+    latched: whether the robot shows an emergency stop.
+    stopped_by: the page that asked for the one that is asked for or shown; empty: none did.
     change: of the network, that the driver asked for and nobody has taken up yet.
     """
 
@@ -79,7 +83,8 @@ class Seat:
         self.pages: dict[int, Page] = {}
         self.driver = 0
         self.locked = ""
-        self.stopping = False
+        self.stopping = self.latched = False
+        self.stopped_by = ""
         self.change: ChooseNetwork | CutNetwork | None = None
         self._press = 0
         self._estop_ns: int | None = None
@@ -120,9 +125,13 @@ class Seat:
             for page in self.pages.values():
                 page.latch.disarm()
 
-    def stopped(self) -> None:
-        """The robot shows an emergency stop that it has latched."""
-        self.stopping = False
+    def robot_shows(self, *, estop: bool) -> None:
+        """Whether the robot shows an emergency stop that it has latched."""
+        self.latched = estop
+        if estop:
+            self.stopping = False
+        elif not self.stopping:
+            self.stopped_by = ""
 
     def holds(self, now_ns: int) -> bool:
         """Whether the driver holds something down."""
@@ -141,7 +150,7 @@ class Seat:
         page = self.pages.get(number)
         return page is not None and page.late and now_ns - page.late_ns > STRAYS_NS
 
-    def wish(self, now_ns: int) -> Wish:
+    def wish(self, now_ns: int) -> Steering:
         """What is wanted at `now_ns`; buttons that are pressed once are in one wish only."""
         page = self.pages.get(self.driver)
         if page is not None and now_ns - page.heard_ns > GONE_AFTER_NS:
@@ -150,7 +159,7 @@ class Seat:
         if self._estop_ns is not None and now_ns - self._estop_ns > ESTOP_FOR_NS:
             self._estop_ns = None
         estop, holds = self._estop_ns is not None, self.holds(now_ns)
-        wish = Wish(
+        wish = unsent(
             press=self._press,
             estop=estop,
             acknowledge=self._acknowledge and not estop,
@@ -161,7 +170,7 @@ class Seat:
         if page is None or page.steer is None or not holds or estop:
             return wish
         said = page.steer
-        return replace(
+        return msgspec.structs.replace(
             wish,
             engaged=True,
             linear=said.linear,
@@ -187,6 +196,8 @@ class Seat:
     def _do(self, number: int, page: Page, said: Do, now_ns: int) -> None:
         if said.what == "estop":
             self._estop_ns, self.stopping = now_ns, True
+            if not self.latched:
+                self.stopped_by = page.name
             for each in self.pages.values():
                 each.latch.disarm()
         elif said.what == "take":

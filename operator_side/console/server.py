@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import anyio
+import anyio.to_thread
 import msgspec
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -17,6 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from farhand.common.messages.scene import Scene
 from farhand.operator_side.console.console import Console
+from farhand.operator_side.console.files import Files, packed, response
 from farhand.operator_side.console.frames import robot_told, scene_told
 from farhand.operator_side.console.said import Hello, Pictured, SaidError, read_said
 
@@ -26,7 +28,6 @@ HELLO_PATIENCE = 5.0
 MOST_PAGES = 16
 TOO_OLD, REFUSED, UNREADABLE, TOO_MANY, FULL = 4001, 4003, 4007, 4008, 4009
 """Why a page must go; from 4007 on it may come again."""
-_TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -75,6 +76,8 @@ class Server:
         self._console, self._door, self._now_ns, self._tell = console, door, now_ns, tell
         self._numbers = self._greeting = 0
         self._scene: tuple[Scene | None, bytes] = (None, b"")
+        self._files = Files(STATIC)
+        self._meshes: dict[Path, tuple[bytes, bytes]] = {}
         self.stopping = anyio.Event()
         routes = [
             Route("/", self._file),
@@ -102,21 +105,28 @@ class Server:
 
     async def _file(self, request: Request) -> Response:
         name = request.path_params.get("name", "index.html")
-        kind = _TYPES.get(Path(name).suffix)
-        path = STATIC / name
         if request.headers.get("host", "") not in self._door.hosts:
             return Response("this console has another name", 421, _HEADERS)
-        if kind is None or path.parent != STATIC or not path.is_file():
-            return Response("there is no such page", 404, _HEADERS)
-        return Response(path.read_bytes(), media_type=kind, headers=_HEADERS)
+        found = self._files.response(name, _accepts(request), _HEADERS)
+        return found or Response("there is no such page", 404, _HEADERS)
 
     async def _robot(self, request: Request) -> Response:
         model, name = self._console.model, request.path_params["name"]
+        if request.headers.get("host", "") not in self._door.hosts:
+            return Response("this console has another name", 421, _HEADERS)
         if model is not None and name == "model.urdf":
-            return Response(model.urdf, media_type="text/xml", headers=_HEADERS)
+            return response(model.urdf, packed(model.urdf), _accepts(request), "text/xml", _HEADERS)
         if model is not None and name in model.meshes:
-            return Response(model.meshes[name].read_bytes(), media_type="model/stl", headers=_HEADERS)
+            whole, compressed = await self._mesh(model.meshes[name])
+            return response(whole, compressed, _accepts(request), "model/stl", _HEADERS)
         return Response("the robot has no such drawing", 404, _HEADERS)
+
+    async def _mesh(self, path: Path) -> tuple[bytes, bytes]:
+        """A mesh as it is and compressed, which is done once, in a thread: pages that drive are not kept waiting."""
+        if path not in self._meshes:
+            whole = await anyio.to_thread.run_sync(path.read_bytes)
+            self._meshes[path] = whole, await anyio.to_thread.run_sync(packed, whole)
+        return self._meshes[path]
 
     async def _socket(self, socket: WebSocket) -> None:
         origin = urlsplit(socket.headers.get("origin", "")).netloc
@@ -222,6 +232,10 @@ class Server:
                 self._tell(f"page {number} is let go: it says too much")
                 await socket.close(TOO_MANY, "this page says too much")
                 return
+
+
+def _accepts(request: Request) -> str:
+    return request.headers.get("accept-encoding", "")
 
 
 def _is_new(description: object, told: object) -> bool:

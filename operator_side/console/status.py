@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from msgspec import UNSET
+
 from farhand.common.geometry import norm
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
@@ -14,12 +16,15 @@ LOST_AFTER = 1.0
 LATE_AFTER = 0.5
 """Without news for so long it is not known what the robot does (s); the worst stalls of 5G are as long."""
 LESS = 0.9
-"""Share of the asked speed under which it counts as slowed."""
+"""Share of the asked speed, along what was asked, under which it counts as slowed."""
 NOT_ENGAGED = "device not engaged"
 """What the operator's program says of a hand that it does not hear."""
 STILL = 1e-3
 """m/s"""
+LEAST_PART = 5e-4
+"""Of a margin, which is told in whole millimetres (m)."""
 
+_ACKNOWLEDGE = "Who drives acknowledges it, and presses anew."
 _OUTAGE = "The outage that was asked for ends by itself. "
 
 Pill = Literal["ready", "run", "held", "slowed", "stopped", "e-stop", "link lost", "taken"]
@@ -44,11 +49,15 @@ class Situation:
     report, state: newest; None: none came.
     report_age, state_age: since they came (s).
     driver: name of the page that drives; empty: none does.
-    holds: whether it holds something down.
+    watches: whether the page that is told of it is another one.
+    asks: name of a page that asks for control; empty: none does.
+    holds: whether the driver holds something down.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
     outage: whether an outage of the emulated network runs.
     frozen: for how long the camera has shown nothing new (s); 0: it does, or there is none.
     was_lost: for how long there had been no news, until a moment ago (s); 0: nothing of the kind.
+    near: from the sphere around the tool to what binds (m); None: not known, or nothing binds.
+    stopped_by: the page on which the emergency stop was asked for; empty: on none.
     """
 
     report: ControlReport | None
@@ -56,11 +65,15 @@ class Situation:
     report_age: float
     state_age: float
     driver: str = ""
+    watches: bool = False
+    asks: str = ""
     holds: bool = False
     stopping: bool = False
     outage: bool = False
     frozen: float = 0.0
     was_lost: float = 0.0
+    near: float | None = None
+    stopped_by: str = ""
 
 
 def reasons(now: Situation) -> list[Reason]:
@@ -132,9 +145,10 @@ def _stopped(now: Situation) -> Iterator[Reason]:
     if state is None:
         return
     if state.mode == "estop":
-        yield Reason("e-stop", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
+        where = f", on {now.stopped_by}" if now.stopped_by else ""
+        yield Reason("e-stop", f"Latched by the robot: {state.reason}{where}.", _ACKNOWLEDGE)
     elif state.mode == "stopped":
-        yield Reason("stopped", f"Latched by the robot: {state.reason}.", "Acknowledge, then press anew.")
+        yield Reason("stopped", f"Latched by the robot: {state.reason}.", _ACKNOWLEDGE)
     if now.report is not None and "holds control" in now.report.stop_reason:
         yield Reason("taken", f"{now.report.stop_reason}.", "Its holder hands over, or gives control up.")
 
@@ -150,32 +164,35 @@ def _changed(now: Situation) -> Iterator[Reason]:
         yield Reason(
             "slowed",
             f"{guard.what.capitalize()}: {guard.part} {_mm(guard.distance)} mm{of}; "
-            f"the robot's guard keeps {_mm(guard.limit)}.",
+            f"limit {_mm(guard.limit)}, by the robot's guard.",
             "Move away from it, or along it.",
         )
     asked, done = norm(report.desired), norm(report.filtered)
-    if report.intervening and asked > STILL and done < LESS * asked:
-        word = "Held" if done < STILL else "Slowed"
-        what = report.binding or "the nearest obstacle"
-        near = (
-            f": tool {_mm(report.clearance)} mm from {what}"
-            if report.clearance is not None
-            else f" by {what}"
-        )
-        margin = report.inflation + report.sigma
+    if report.intervening and asked > STILL and _along(report) < LESS * asked:
+        word = "Held" if done < STILL else "Slowed" if done < LESS * asked else "Turned aside"
         yield Reason(
             "held" if done < STILL else "slowed",
-            f"{word}{near}; margin {_mm(margin)}{_parts(report)}.",
+            f"{word}{_near(now, report)}; {_kept(report)}.",
             f"The way is free to the {report.free_side}."
             if report.free_side
             else "Move away from it, or along it.",
         )
+    elif asked > STILL and report.mode == "run" and _along(report) < LESS * asked:
+        yield Reason("run", f"On the way to what was asked: {done:.2f} of {asked:.2f} m/s.")
+    turns, turned = norm(report.desired_angular), norm(report.angular)
+    if turns > STILL and report.mode == "run" and turned < LESS * turns:
+        yield Reason(
+            "slowed",
+            f"Turned at {turned:.2f} of {turns:.2f} rad/s, the most that is let.",
+            "Turn more slowly.",
+        )
     if report.stop_reason == NOT_ENGAGED:
         yield Reason("held", "Let go by itself: the hand was not heard for a moment.", "Press anew.")
     elif report.stop_reason and report.mode != "run":
-        yield Reason("held", f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}.")
+        what = f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}."
+        yield Reason("held", what, "It goes on by itself once that is over.")
     if report.held_by:
-        yield Reason("held", f"No progress: held by {report.held_by}.")
+        yield Reason("held", f"No progress: held by {report.held_by}.", "Drive or turn another way.")
 
 
 def _waiting(now: Situation) -> Iterator[Reason]:
@@ -187,16 +204,43 @@ def _waiting(now: Situation) -> Iterator[Reason]:
         )
     if not now.driver:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
+    elif now.watches:
+        yield Reason("ready", f"{now.driver.capitalize()} drives, you watch.", "Ask for control, to drive.")
+    elif now.asks:
+        yield Reason("ready", f"{now.asks.capitalize()} asks for control.", "Hand over, or drive on.")
     else:
         yield Reason("ready", "Hold a key or a button to move; let go to stop.")
 
 
-def _parts(report: ControlReport) -> str:
-    """What makes the margin as large as it is, where its law says so."""
-    parts = {name: value for name, value in report.margin_parts.items() if name != "lag"}
-    most = max(parts, key=lambda name: parts[name], default="")
-    why = {"floor": "the least", "innovation": "as the network makes it", "spread": "as the network makes it"}
-    return f", {why[most]}" if most in why else ""
+def _along(report: ControlReport) -> float:
+    """The speed that is left in the direction that was asked for (m/s)."""
+    asked = norm(report.desired)
+    return sum(a * b for a, b in zip(report.desired, report.filtered, strict=True)) / asked
+
+
+def _near(now: Situation, report: ControlReport) -> str:
+    """What is how near to what; the robot's clearance is told where it is not known what binds."""
+    if not report.binding:
+        return (
+            "" if report.clearance is None else f": tool {_mm(report.clearance)} mm from the nearest obstacle"
+        )
+    return f" by {report.binding}" if now.near is None else f": tool {_mm(now.near)} mm from {report.binding}"
+
+
+def _kept(report: ControlReport) -> str:
+    """What is kept between the two: the limit, the margin beyond it, and how much of that is the network's doing."""
+    margin = report.inflation + report.sigma
+    limit = "" if report.limit is UNSET else f"limit {_mm(report.limit)}, "
+    network = margin - sum(report.margin_parts.get(name, 0.0) for name in ("floor", "lag"))
+    of = f", of which network {_mm(network)}" if _from_network(report) and network >= LEAST_PART else ""
+    return f"{limit}margin {_mm(margin)}{of}"
+
+
+def _from_network(report: ControlReport) -> bool:
+    """Whether the margin's law says what of it is for the network: what is above its floor, but for the lag's part."""
+    return "floor" in report.margin_parts and (
+        "innovation" in report.margin_parts or "spread" in report.margin_parts
+    )
 
 
 def _mm(metres: float) -> str:

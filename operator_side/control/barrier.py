@@ -15,6 +15,8 @@ from farhand.operator_side.control.controller import ControlProblem
 from farhand.operator_side.control.settings import ControllerSettings
 
 ROW_TOLERANCE = 1e-5  # m^2; the compiled solver's as well
+FEW = 16
+PLAIN = 1e-9  # m^2, by which sums that are added up in another order never differ
 MAGNITUDE = 1e6  # inputs beyond this are refused, as by the compiled solver
 
 
@@ -64,6 +66,22 @@ def values(problem: ControlProblem, away: Array) -> Array:
         return squares
     heights = np.einsum("jk,jik->ji", problem.normals, away) - problem.radii[:, None]
     return np.where(problem.flat[:, None] != 0.0, heights, squares)
+
+
+def starts_clear(problem: ControlProblem) -> bool:
+    """Whether the start is plainly outside every margin of few spheres; False says nothing.
+
+    Asked twice a tick, when the answer is nearly always yes: a plain loop over few obstacles takes a fifth of numpy's.
+    """
+    if problem.normals is not None or len(problem.radii) > FEW:
+        return False
+    x, y, z = problem.position.tolist()
+    spheres = zip(problem.centres.tolist(), problem.radii.tolist(), problem.sigmas.tolist(), strict=True)
+    for (a, b, c), radius, sigma in spheres:
+        least = radius * radius + sigma
+        if not (a - x) ** 2 + (b - y) ** 2 + (c - z) ** 2 > least + PLAIN:
+            return False
+    return True
 
 
 def gaps(problem: ControlProblem) -> tuple[Array, Array]:

@@ -1,13 +1,13 @@
 """A device's program between the device and the operator's program: told the time, it never waits."""
 
 from farhand.common.link.link import Link
+from farhand.common.messages.steering import unsent
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.devices.hand import Hand, Obstacles
 from farhand.operator_side.devices.hearing import Hearing
 from farhand.operator_side.devices.reading import Reading
-from farhand.operator_side.steering.sender import SteeringSender
-from farhand.operator_side.steering.wish import Wish
+from farhand.operator_side.steering.hand.sender import SteeringSender
 
 PERIOD = 0.01
 REFUSED = (
@@ -56,4 +56,4 @@ class DeviceNode:
 
     def leave(self, now_ns: int) -> None:
         """Give the wheel up; the last message of a session."""
-        self._sender.send(Wish(release=True), now_ns, drives=False)
+        self._sender.send(unsent(release=True), now_ns, drives=False)

@@ -10,13 +10,14 @@
 | anything held while the device is plugged in | nothing, but an emergency stop |
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from farhand.common.messages.steering import Frame
+import msgspec
+
+from farhand.common.messages.steering import Frame, Steering, unsent
 from farhand.operator_side.devices.reading import Reading
-from farhand.operator_side.steering.hand_settings import AXES, BUTTONS, CAP, HandSettings
-from farhand.operator_side.steering.inputs import shaped
-from farhand.operator_side.steering.wish import Wish
+from farhand.operator_side.steering.hand.hand_settings import AXES, BUTTONS, CAP, HandSettings
+from farhand.operator_side.steering.hand.inputs import shaped
 
 FROZEN_NS = 100_000_000
 """A reading that is older than this counts as none."""
@@ -71,7 +72,7 @@ class Hand:
         """Share of the speeds in force."""
         return self._settings.scales[self._scale]
 
-    def feel(self, reading: Reading | None, now_ns: int, obstacles: Obstacles) -> Wish:
+    def feel(self, reading: Reading | None, now_ns: int, obstacles: Obstacles) -> Steering:
         """What is wanted at `now_ns`; the instants never go back."""
         if reading is None or now_ns - reading.read_ns > FROZEN_NS:
             return self._without(reading, now_ns)
@@ -88,7 +89,7 @@ class Hand:
         estop = self._stops(down["estop"], now_ns)
         free = not (estop or obstacles.lost or obstacles.stopped)
         self._arm(reading, down["deadman"] and free, fresh["deadman"])
-        wish = Wish(press=self._press, estop=estop, acknowledge=acknowledge)
+        wish = unsent(press=self._press, estop=estop, acknowledge=acknowledge)
         if self._armed:
             wish = self._moves(wish, reading)
         self.drives = self.drives or self._armed or acknowledge
@@ -96,7 +97,7 @@ class Hand:
         self._say(reading, obstacles)
         return self._given_up(wish, now_ns)
 
-    def _without(self, reading: Reading | None, now_ns: int) -> Wish:
+    def _without(self, reading: Reading | None, now_ns: int) -> Steering:
         """Nothing is plugged in, or it shows nothing new."""
         if reading is not None:
             self.says = f"{reading.device} is silent; press anew when it is back"
@@ -108,7 +109,7 @@ class Hand:
         self._let_go()
         self._plugged, self.waits_for_release = 0, False
         release, self.drives = self.drives, False
-        return Wish(press=self._press, estop=self._stops(False, now_ns), release=release)
+        return unsent(press=self._press, estop=self._stops(False, now_ns), release=release)
 
     def _is_down(self, name: str, reading: Reading) -> bool:
         if name == "deadman" and self._settings.held_by_cap:
@@ -146,7 +147,7 @@ class Hand:
             self._estop_ns = None
         return self._estop_ns is not None
 
-    def _moves(self, wish: Wish, reading: Reading) -> Wish:
+    def _moves(self, wish: Steering, reading: Reading) -> Steering:
         values = {name: self._shaped(name, reading) for name in self._moving}
         self._parked = {name for name in self._parked if values[name] != 0.0}
 
@@ -155,7 +156,7 @@ class Hand:
 
         x, y, z, roll, pitch, yaw = (each.value(value) + 0.0 for each in self._axes.values())
 
-        return replace(
+        return msgspec.structs.replace(
             wish,
             engaged=True,
             linear=(x, y, z),
@@ -164,13 +165,13 @@ class Hand:
             scale=self.scale,
         )
 
-    def _given_up(self, wish: Wish, now_ns: int) -> Wish:
+    def _given_up(self, wish: Steering, now_ns: int) -> Steering:
         """With the release of the wheel, once nothing was held for long."""
         if self._armed or wish.acknowledge or wish.estop:
             self._held_ns = now_ns
         if self.drives and now_ns - self._held_ns > GIVES_UP_NS:
             self.drives = False
-            return replace(wish, release=True)
+            return msgspec.structs.replace(wish, release=True)
         return wish
 
     def _say(self, reading: Reading, obstacles: Obstacles) -> None:

@@ -1,13 +1,13 @@
 """Sends what was asked in a recorded run to an operator's program that is steered from others: told the time."""
 
 from farhand.common.link.link import Link
+from farhand.common.messages.steering import unsent
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.devices.device_node import PERIOD
 from farhand.operator_side.devices.hearing import Hearing
-from farhand.operator_side.steering.playback import Playback
-from farhand.operator_side.steering.sender import SteeringSender
-from farhand.operator_side.steering.wish import Wish
+from farhand.operator_side.steering.hand.sender import SteeringSender
+from farhand.operator_side.steering.recorded.playback import Playback
 from farhand.operator_side.supervision import NOT_ENGAGED
 
 
@@ -40,7 +40,7 @@ class PlaybackNode:
 
     def leave(self, now_ns: int) -> None:
         """Give the wheel up; the last message of a session."""
-        self._sender.send(Wish(release=True), now_ns, drives=False)
+        self._sender.send(unsent(release=True), now_ns, drives=False)
 
     def _play(self, now_ns: int) -> None:
         found, report, playback = self._hearing.obstacles(now_ns), self._hearing.report, self._playback
@@ -58,7 +58,7 @@ class PlaybackNode:
         self.says = f"let go, until the next press: {why}" if why else f"plays {seconds:.1f} s"
         if self.over:
             self.says = f"all {seconds:.1f} s are played"
-        wish = Wish(
+        wish = unsent(
             engaged=asked.press > 0,
             press=asked.press,
             linear=asked.linear,
@@ -66,4 +66,4 @@ class PlaybackNode:
             unit="si",
             estop=asked.estop,
         )
-        self._sender.send(Wish(release=True) if self.over else wish, now_ns, drives=True)
+        self._sender.send(unsent(release=True) if self.over else wish, now_ns, drives=True)

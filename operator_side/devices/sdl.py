@@ -5,7 +5,7 @@ from typing import Any
 
 from farhand.common.errors import InputError
 from farhand.operator_side.devices.reading import Reading
-from farhand.operator_side.steering.gamepad import KEYS, STICKS
+from farhand.operator_side.steering.hand.gamepad import KEYS, STICKS
 
 RUMBLE_MS = 200
 _FULL = 32767.0

@@ -20,6 +20,10 @@ class MarginInput:
         rtt_mean, rtt_std: over the window (s).
         innovation: largest prediction error of the window (m).
         spread: what further losses could make of the newest prediction (m).
+        rtt_newest: the newest round trip (s); 0 before the first.
+        age: of the oldest command that nothing has answered yet (s): echoes are blind during an outage, this is not.
+        loss: fraction of the robot's states of the last seconds that never came; 0 before that is known.
+        period: from one command to the next (s).
     """
 
     speed: float
@@ -27,6 +31,10 @@ class MarginInput:
     rtt_std: float
     innovation: float
     spread: float
+    rtt_newest: float = 0.0
+    age: float = 0.0
+    loss: float = 0.0
+    period: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,3 +72,7 @@ class MarginLaw(ABC):
     @abstractmethod
     def evaluate(self, given: MarginInput) -> Margin:
         """The margin for this tick; must not raise."""
+
+    def round_trip(self, given: MarginInput) -> float | None:
+        """The longest round trip that this tick's margin pays for (s); None: it does not reckon with round trips."""
+        return None

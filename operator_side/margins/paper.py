@@ -31,3 +31,7 @@ class PaperMargin(MarginLaw):
         delay = given.speed * given.rtt_mean
         jitter = self._max_speed * self._k_sigma * given.rtt_std
         return Margin(sigma=delay + jitter, parts={"delay": delay, "jitter": jitter})
+
+    def round_trip(self, given: MarginInput) -> float | None:
+        """See MarginLaw."""
+        return given.rtt_mean + self._k_sigma * given.rtt_std

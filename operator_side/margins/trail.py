@@ -45,7 +45,7 @@ class Trail:
             gaps: (n,) from the obstacles' centres to z (m).
             speeds: (n,) of the obstacles (m/s).
         """
-        speed = norm(wanted)
+        speed = norm(wanted.tolist())
         room = np.minimum.reduce(gaps - radii - self._lag * speeds, initial=np.inf)
         if (
             self._pace == 1.0 and room >= self._lag * speed
@@ -62,12 +62,12 @@ class Trail:
         The curve is driven at the speed that is wanted, or at the robot's own (`speed`), as far as the limits
         allow; round a moving obstacle the obstacle's speed comes on top.
         """
-        fastest = min(self._fastest, max(norm(desired), speed))
+        fastest = min(self._fastest, max(norm(desired.tolist()), speed))
         return radii_for_lag(radii, self._lag * (fastest + speeds))
 
     def learn(self, desired: Array, velocity: Array, part: float) -> None:
         """Look at what became of a tick: the desired and the commanded velocity (m/s), the lag part (m)."""
-        held_up = part > WORTH_SLOWING and norm(velocity) < BLOCKED * norm(desired)
+        held_up = part > WORTH_SLOWING and norm(velocity.tolist()) < BLOCKED * norm(desired.tolist())
         self._pace = (
             max(SLOWEST, self._pace / self._change) if held_up else min(1.0, self._pace * self._change)
         )

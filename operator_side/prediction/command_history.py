@@ -6,7 +6,8 @@ simulated tasks.
 """
 
 from collections import OrderedDict
-from dataclasses import dataclass
+
+import msgspec
 
 from farhand.common.messages.base import ZERO, Vector3
 
@@ -14,8 +15,7 @@ KEPT = 256
 """Commands, where nothing else is said."""
 
 
-@dataclass(frozen=True, slots=True)
-class SentCommand:
+class SentCommand(msgspec.Struct, frozen=True):
     """One command as the robot will play it.
 
     Attributes:

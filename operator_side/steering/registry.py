@@ -14,11 +14,14 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
     "farhand.devices",
     "farhand.operator_side.steering.device:SteeringDevice",
     {
-        "tester": "farhand.operator_side.steering.tester:Tester",
-        "remote": "farhand.operator_side.steering.remote:Remote",
-        "gamepad": "farhand.operator_side.steering.gamepad:Gamepad",
-        "spacemouse": "farhand.operator_side.steering.spacemouse:Spacemouse",
-        "recorded": "farhand.operator_side.steering.recorded:Recorded",
+        "tester": "farhand.operator_side.steering.tester.tester:Tester",
+        "remote": "farhand.operator_side.steering.hand.remote:Remote",
+        "gamepad": "farhand.operator_side.steering.hand.gamepad:Gamepad",
+        "spacemouse": "farhand.operator_side.steering.hand.spacemouse:Spacemouse",
+        "recorded": "farhand.operator_side.steering.recorded.recorded:Recorded",
+        "person": "farhand.operator_side.steering.tester.person:Person",
+        "hostile": "farhand.operator_side.steering.tester.hostile:Hostile",
+        "paced": "farhand.operator_side.steering.tester.paced:Paced",
     },
 )
 

@@ -1,11 +1,13 @@
 """What keeps the arm from following a tool velocity: a joint's limit, its reach, a singularity, a joint's speed."""
 
+from operator import mul
+
 import numpy as np
 
 from farhand.common.geometry import Array, norm
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.kernel.velocity import SINGULAR_BELOW
+from farhand.robot_side.kernel.velocity import unbounded
 
 SLOW = 0.005
 """Who wants less than this (m/s) is held by nothing."""
@@ -15,8 +17,15 @@ NEAR_LIMIT = 0.05
 """To a joint's limit (rad): the braking before it has set in."""
 STRAIGHT = 0.25
 """Of the elbow's sine, under which the arm is stretched or folded."""
+DAMPING = 1e-4
+"""Of what the joints would have to do, so that a singular arm has an answer as well."""
 OUTWARD = 0.85
 """Of the lost direction, along the line from the shoulder to the tool, from which an arm is at its reach."""
+
+
+def prepare(n: int) -> None:
+    """Compile, or load, what an arm of n joints is asked with; else the first state of one that is held waits."""
+    unbounded(np.zeros((6, n)), np.zeros(3), DAMPING, np.zeros(n))
 
 
 def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, wanted: Array) -> str:
@@ -29,22 +38,31 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
         commanded: (n,) joint velocities that were commanded for it (rad/s).
         wanted: (3,) tool velocity (m/s).
     """
-    speed = norm(wanted.tolist())
-    if speed < SLOW or float((jacobian[:3] @ commanded) @ wanted) >= FOLLOWED * speed**2:
+    line = wanted.tolist()
+    speed = norm(line)
+    if speed < SLOW or _along(line, jacobian, commanded) >= FOLLOWED * speed**2:
         return ""
-    # What the joints would have to do, a little damped, so that a singular arm has an answer as well.
-    least = 1e-4 * np.eye(6)
-    free = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + least, np.concatenate([wanted, np.zeros(3)]))
+    free: Array = np.empty(len(q))
+    regular = unbounded(np.ascontiguousarray(jacobian), wanted, DAMPING, free)
     up = (kinematics.upper - q < NEAR_LIMIT) & (free > 0.0)
     down = (q - kinematics.lower < NEAR_LIMIT) & (free < 0.0)
     limited = np.flatnonzero(up | down)
     if limited.size:
         return f"joint limit of {kinematics.arm.joint_names[int(limited[0])]}"
-    if float(np.linalg.svd(jacobian, compute_uv=False)[-1]) < SINGULAR_BELOW:
+    if not regular:
         return _singularity(q, jacobian, kinematics.arm)
     fast = np.abs(free) / kinematics.max_velocity
     fastest = kinematics.arm.joint_names[int(np.argmax(fast))]
     return f"speed limit of {fastest}" if float(fast.max()) > 1.0 else ""
+
+
+def _along(line: list[float], jacobian: Array, commanded: Array) -> float:
+    """The tool's commanded velocity times a line (3,); asked for at every state, so without numpy's overhead."""
+    total, qd = 0.0, commanded.tolist()
+    for component, row in zip(line, jacobian[:3].tolist(), strict=True):
+        if component:
+            total += component * sum(map(mul, row, qd))
+    return total
 
 
 def _singularity(q: Array, jacobian: Array, arm: ArmModel) -> str:

@@ -7,6 +7,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -96,6 +97,7 @@ def read_urdf(path: Path, tool_frame: str) -> Chain:
     )
 
 
+@lru_cache(maxsize=8)
 def bare_text(text: str) -> str:
     """The same URDF without shapes, some of which Pinocchio's parser does not know and complains about."""
     root = ET.fromstring(text)

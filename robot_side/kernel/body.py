@@ -31,6 +31,26 @@ def frames(chain, q, R, p):
 
 
 @compiled
+def moved_at_most(R, p, R_then, p_then, reach):
+    """How far any point can have gone that is within `reach` (m) of a joint's frame and moves with it (m).
+
+    The frames were R_then and p_then, which become R and p now. A turn by an angle a moves a point by at most
+    2 sin(a/2) times its distance, which is |R - R_then|_F / sqrt(2) times it.
+    """
+    most = 0.0
+    for i in range(R.shape[0]):
+        way, turned = 0.0, 0.0
+        for k in range(3):
+            way += (p[i, k] - p_then[i, k]) ** 2
+            p_then[i, k] = p[i, k]
+            for m in range(3):
+                turned += (R[i, k, m] - R_then[i, k, m]) ** 2
+                R_then[i, k, m] = R[i, k, m]
+        most = max(most, math.sqrt(way) + reach * math.sqrt(0.5 * turned))
+    return most
+
+
+@compiled
 def place_capsules(R, p, capsules, A, B):
     """Fill the capsules' ends in base."""
     for i in range(capsules.shape[0]):

@@ -76,7 +76,7 @@ def tightest(rows_out, b_out, facts, count, qd):
 @compiled
 def guarded_tick(
     chain, limits, home, capsules, reach, pairs, slack, par, rows, vertices,
-    q, actual, previous, v, w, R_wanted, asked, by_law,
+    q, actual, previous, v, w, R_wanted, asked, by_law, placed,
     R, p, R_tool, p_tool, J, rows_out, b_out, facts, watched, qd, report,
 ):  # fmt: skip
     """One control period under the guard: fill qd (n,), the frames and J at q, report; turn R_wanted.
@@ -85,11 +85,13 @@ def guarded_tick(
         limits, home, v, w, R_wanted: see velocity.py.
         actual: (n,) joint velocities now (rad/s).
         asked: (n,) joint velocities of another law; used where `by_law` is False.
+        placed: the frames and J are those at q already.
     """
     n = q.shape[0]
     low, high = np.empty(n), np.empty(n)
     acceleration = limits[MAX_ACCELERATION]
-    forward(chain, q, R, p, R_tool, p_tool, J)
+    if not placed:
+        forward(chain, q, R, p, R_tool, p_tool, J)
     joint_box(limits, q, previous, par[DT], low, high)
     count, watching, near, near_part, near_other = find_rows(
         chain, capsules, reach, pairs, slack, R, p, rows, vertices,

@@ -220,25 +220,23 @@ def descend(J, low, high, A, b, m, norms, x, multipliers):
     n = x.shape[0]
     count = 2 * n + m
     active = np.zeros(count, np.bool_)
+    multipliers[:count] = 0.0
+    tolerance = TOLERANCE
+    for i in range(n):
+        tolerance = max(tolerance, ROUNDING * abs(x[i]))
+    index, missed = most_violated(x, low, high, A, b, m, norms, active, tolerance)
+    if index < 0:  # nearly always: all that follows need not be made
+        return SOLVED, 0
     order = np.empty(n, np.int64)
     u = np.zeros(n + 1)
     T = np.zeros((n, n))
     d = np.empty(n)
     z = np.empty(n)
     r = np.empty(n)
-    multipliers[:count] = 0.0
-    tolerance = TOLERANCE
-    for i in range(n):
-        tolerance = max(tolerance, ROUNDING * abs(x[i]))
     q = 0
     cap = 20 * n + 4 * m
     step = 0
     while step < cap:
-        index, missed = most_violated(x, low, high, A, b, m, norms, active, tolerance)
-        if index < 0:
-            for k in range(q):
-                multipliers[order[k]] = u[k]
-            return SOLVED, step
         u[q] = 0.0
         while step < cap:
             step += 1
@@ -278,6 +276,11 @@ def descend(J, low, high, A, b, m, norms, x, multipliers):
                 active[index] = True
                 order[q] = index
                 q += 1
+                index, missed = most_violated(x, low, high, A, b, m, norms, active, tolerance)
+                if index < 0:
+                    for k in range(q):
+                        multipliers[order[k]] = u[k]
+                    return SOLVED, step
                 break
             drop(J, T, q, out)
             active[order[out]] = False

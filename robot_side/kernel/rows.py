@@ -52,6 +52,8 @@ PUSH_SHARE = 0.1
 """Of the witness's own speed, with which a row may push out of what stands."""
 SHORT_LEVER = 0.05
 """m: of a witness that the joints hardly move, such as the foot of the upper arm over the table."""
+SPARE = 1e-6
+"""m, for what sums of floats lose."""
 NEAR_FOOT = 0.15
 """m: nearer than this the other half of a link whose foot is the witness has a row of its own."""
 
@@ -84,6 +86,22 @@ def overrun(row, previous, actual, lever, par):
         return 0.0
     braking = min(par[BRAKING], par[ROW_SHARE] * lever)
     return faster * par[REACTION] + (0.5 * faster * faster / braking if braking > 0.0 else 0.0)
+
+
+@compiled
+def far_off(closing, fastest, weakest, par):
+    """x from which on two links need no row, by bounds that cost less than the row (m).
+
+    For approach(x) >= closing, whatever the row: of joints whose speeds are at most `fastest` the lever times the
+    acceleration is at least closing * weakest / fastest. The same bounds what `overrun` takes from x.
+
+    Args:
+        closing: fastest approach (m/s), of joints that are at most as fast as `fastest` (rad/s).
+        weakest: least acceleration of a joint (rad/s^2).
+    """
+    r = par[REACTION]
+    lag = r + 0.5 * max(closing / par[BRAKING], fastest / (par[ROW_SHARE] * weakest))
+    return max(closing / par[GAIN], closing * lag) + SPARE
 
 
 @compiled
@@ -220,12 +238,31 @@ def find_rows(
                 count = take_row(row, bound, low, high, d, i, j, rows_out, b_out, facts, count)
                 if d - way < par[CHECK]:
                     watching = watch(watched, watching, i, j, t0, t1, d)
+    weakest, farthest = NOTHING, 0.0  # rad/s^2, of any joint; rad/s, off what it was told
+    for k in range(n):
+        weakest = min(weakest, acceleration[k])
+        farthest = max(farthest, abs(previous[k] - actual[k]))
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
         d, t, s, nx, ny, nz = capsule_capsule(A[i], B[i], capsules[i, 7], A[j], B[j], capsules[j, 7])
         if d + slack[k] < nearest:
             nearest, near_capsule, near_other = d + slack[k], i, -1 - k
         one, two = int(capsules[i, 0]), int(capsules[j, 0])
+        way, closing, behind = 0.0, 0.0, 0.0
+        for m in range(
+            min(one, two) + 1, n
+        ):  # only the joints between two links move them against each other
+            w = max(abs(low[m]), abs(high[m]))
+            far = (reach[i, m] if m <= one else 0.0) + (reach[j, m] if m <= two else 0.0)
+            way += far * w * (par[REACTION] + 0.5 * fastest / (par[STOP_SHARE] * acceleration[m]))
+            closing += far * w
+            behind += far * abs(previous[m] - actual[m])
+        if d - way < par[CHECK] - slack[k]:
+            watching = watch(watched, watching, i, -1 - k, 0.0, 1.0, d)
+        if d - par[KEEP] + slack[k] > far_off(closing, fastest, weakest, par) + far_off(
+            behind, farthest, weakest, par
+        ):
+            continue
         row[:] = 0.0
         wx, wy, wz = (
             A[i, 0] + t * (B[i, 0] - A[i, 0]),
@@ -247,13 +284,4 @@ def find_rows(
         x = d - par[KEEP] + slack[k] - overrun(row, previous, actual, along, par)
         bound = bound_of(x, along, speed, False, par)
         count = take_row(row, bound, low, high, d, i, -1 - k, rows_out, b_out, facts, count)
-        way = 0.0
-        for m in range(
-            min(one, two) + 1, n
-        ):  # only the joints between two links move them against each other
-            w = max(abs(low[m]), abs(high[m]))
-            far = (reach[i, m] if m <= one else 0.0) + (reach[j, m] if m <= two else 0.0)
-            way += far * w * (par[REACTION] + 0.5 * fastest / (par[STOP_SHARE] * acceleration[m]))
-        if d - way < par[CHECK] - slack[k]:
-            watching = watch(watched, watching, i, -1 - k, 0.0, 1.0, d)
     return count, watching, nearest, near_capsule, near_other

@@ -329,6 +329,33 @@ def escaping_damping(J, v, w):
 
 
 @compiled
+def unbounded(J, v, damping, free):
+    """Fill free (n,) with the joint velocities that v (m/s) alone would take; whether J is far from singular.
+
+    free = J'(J J' + damping I)^-1 (v, 0); far from it is where no singular value is below SINGULAR_BELOW.
+    """
+    M, L, y = np.empty((6, 6)), np.zeros((6, 6)), np.empty(6)
+    products(J, damping, M)
+    cholesky(M, L)
+    for r in range(6):
+        s = v[r] if r < 3 else 0.0
+        for k in range(r):
+            s -= L[r, k] * y[k]
+        y[r] = s / L[r, r]
+    for r in range(5, -1, -1):
+        s = y[r]
+        for k in range(r + 1, 6):
+            s -= L[k, r] * y[k]
+        y[r] = s / L[r, r]
+    for i in range(free.shape[0]):
+        free[i] = 0.0
+        for k in range(6):
+            free[i] += J[k, i] * y[k]
+    products(J, -(SINGULAR_BELOW**2), M)
+    return cholesky(M, L)
+
+
+@compiled
 def add_posture(J, q, home, hurry, H, f):
     """Add what leads home in the motions that the tool does not feel: POSTURE_WEIGHT |P (q' - u)|^2 to H and f.
 

@@ -36,8 +36,12 @@ class BulletObstacles:
         self._solids: list[int] = []
         self._positions: list[Vector3] = []
         self._placed: Sequence[Obstacle] = ()
-        # No obstacle is nearer than its floor (m), and the one that was the nearest is not farther than the ceiling.
-        self._floors: list[float] = []
+        # No link is nearer to an obstacle than its floor (m), and the pair that was the nearest is not farther apart
+        # than the ceiling. All floors sink by what the body moves: that is kept once, in `sunk`.
+        self._links: list[int] = []
+        self._floors: list[list[float]] = []
+        self._lowest: list[float] = []  # of each obstacle's floors
+        self._sunk = 0.0
         self._nearest, self._ceiling = -1, _FAR
 
     def nearest(
@@ -47,31 +51,51 @@ class BulletObstacles:
 
         Args:
             obstacles: where they are now.
-            moved: no point of the body has moved by more than this since the last call (m). Obstacles that cannot have
+            moved: no point of the body has moved by more than this since the last call (m). Links that cannot have
                 come nearest are not measured again.
         """
         self._place(obstacles)
-        floors = self._floors = [floor - moved for floor in self._floors]
-        best, index, link = _FAR, -1, -1
+        self._sink(moved)
+        found = (_FAR, -1, -1)  # distance, obstacle, link: of equals the first
         if self._nearest >= 0:
-            best = min(_FAR, self._ceiling + moved + _ROUNDING)
-        for rank, k in enumerate(sorted(range(len(floors)), key=floors.__getitem__)):
-            if floors[k] >= best:
+            found = (min(_FAR, self._ceiling + moved + _ROUNDING), len(obstacles), -1)
+        for low, k in _lowest_first(self._lowest, found[0] + self._sunk):
+            if low >= found[0] + self._sunk + _ROUNDING:
+                break
+            found = self._measure(k, found)
+        best, index, link = found
+        self._nearest = index if 0 <= index < len(obstacles) else -1
+        self._ceiling = best
+        return (best, obstacles[index].id, link) if self._nearest >= 0 else None
+
+    def _measure(self, k: int, found: tuple[float, int, int]) -> tuple[float, int, int]:
+        """The nearest pair so far, or a nearer one of obstacle k."""
+        floors, sunk, solid, client = self._floors[k], self._sunk, self._solids[k], self._client
+        for floor, i in _lowest_first(floors, found[0] + sunk):
+            best, link = found[0], self._links[i]
+            if floor >= best + sunk + _ROUNDING:
                 break
             # The nearer the limit, the more Bullet skips; a little more spares asking again the next times.
-            reach = best if rank == 0 else min(_FAR, best + _AHEAD)
-            points = self._bullet.getClosestPoints(
-                self._body, self._solids[k], reach, physicsClientId=self._client
-            )
-            found = [(point[8], point[3]) for point in points if point[3] >= self._first]
-            floors[k] = reach
-            if found:
-                gap, of = min(found)
-                floors[k] = gap
-                if (gap, k) < (best, index if index >= 0 else k):
-                    best, index, link = gap, k, of
-        self._nearest, self._ceiling = index, best
-        return (best, obstacles[index].id, link) if index >= 0 else None
+            reach = best if found[2] == -1 else min(_FAR, best + _AHEAD)
+            points = self._bullet.getClosestPoints(self._body, solid, reach, link, physicsClientId=client)
+            gap = min([point[8] for point in points], default=reach)
+            floors[i] = gap + sunk
+            if points:
+                found = min(found, (gap, k, link))
+        self._lowest[k] = min(floors)
+        return found
+
+    def _sink(self, moved: float) -> None:
+        """No point of the body has moved by more than this since (m)."""
+        if moved < math.inf:
+            self._sunk += moved
+            return
+        if not self._links:
+            count = self._bullet.getNumJoints(self._body, physicsClientId=self._client)
+            self._links = list(range(self._first, count))
+        self._floors = [[-math.inf] * len(self._links) for _ in self._solids]
+        self._lowest = [-math.inf] * len(self._solids)
+        self._sunk, self._nearest = 0.0, -1
 
     def remove(self) -> None:
         """Take them out of the world again."""
@@ -89,13 +113,14 @@ class BulletObstacles:
             self.remove()
             self._solids = [self._make(obstacle) for obstacle in obstacles]
             self._shapes, self._positions = shapes, [obstacle.position for obstacle in obstacles]
-            self._floors, self._nearest = [-math.inf] * len(obstacles), -1
+            self._sink(math.inf)
         if isinstance(obstacles, tuple):  # which nobody changes
             self._placed = obstacles
         for index, obstacle in enumerate(obstacles):
             if obstacle.position != self._positions[index]:
                 came = math.dist(obstacle.position, self._positions[index])
-                self._floors[index] -= came
+                self._floors[index] = [floor - came for floor in self._floors[index]]
+                self._lowest[index] -= came
                 if index == self._nearest:
                     self._ceiling += came
                 self._positions[index] = obstacle.position
@@ -137,6 +162,11 @@ class BulletObstacles:
         if isinstance(shape, Mesh):
             return {"shapeType": bullet.GEOM_MESH, "vertices": shape.points.tolist()}
         return {"shapeType": bullet.GEOM_PLANE, "planeNormal": (0.0, 0.0, 1.0)}
+
+
+def _lowest_first(floors: list[float], limit: float) -> list[tuple[float, int]]:
+    """What lies under a limit (m), and where in the list: most lies above, and is not sorted."""
+    return sorted([(floor, i) for i, floor in enumerate(floors) if floor < limit + _ROUNDING])
 
 
 def _turn(orientation: Quaternion) -> Quaternion:

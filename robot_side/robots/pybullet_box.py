@@ -65,9 +65,10 @@ class BoxRobot(Robot):
             self._attitude = turned(self._attitude, (x, y, z))
         torque = self._upright() if self._attitude == LEVEL else self._turning(twist.angular)
         frame = bullet.WORLD_FRAME
-        bullet.applyExternalForce(body, -1, force, self._position, frame, physicsClientId=client)
-        bullet.applyExternalTorque(body, -1, torque, frame, physicsClientId=client)
-        bullet.stepSimulation(physicsClientId=client)
+        # by place, here and below: to look names up takes PyBullet longer than some of these calls do
+        bullet.applyExternalForce(body, -1, force, self._position, frame, client)
+        bullet.applyExternalTorque(body, -1, torque, frame, client)
+        bullet.stepSimulation(client)
         self._read()
 
     def _upright(self) -> Vector3:
@@ -98,8 +99,8 @@ class BoxRobot(Robot):
 
     def _read(self) -> None:
         bullet, client = self._bullet, self._client
-        position, (x, y, z, w) = bullet.getBasePositionAndOrientation(self._body, physicsClientId=client)
-        velocity, angular_velocity = bullet.getBaseVelocity(self._body, physicsClientId=client)
+        position, (x, y, z, w) = bullet.getBasePositionAndOrientation(self._body, client)
+        velocity, angular_velocity = bullet.getBaseVelocity(self._body, client)
         self._position: Vector3 = position
         self._velocity: Vector3 = velocity
         self._orientation: Quaternion = (w, x, y, z)

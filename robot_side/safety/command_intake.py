@@ -56,5 +56,8 @@ class CommandIntake:
 
     def refused(self) -> dict[str, int]:
         """Commands refused so far, by reason, those of the watchdog among them."""
-        sources = [each for each in (self._decoder.refused, self._watchdog.refused, self._flood) if each]
-        return dict(sum(sources, Counter[str]())) if sources else {}
+        total: dict[str, int] = {}  # asked for with every state: adding Counters takes ten times as long
+        for counts in (self._decoder.refused, self._watchdog.refused, self._flood):
+            for reason, count in counts.items():
+                total[reason] = total.get(reason, 0) + count
+        return total

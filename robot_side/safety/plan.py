@@ -14,21 +14,34 @@ class PlanPlayer:
     """
 
     def __init__(self) -> None:
-        self._twists: tuple[Twist, ...] = (STILL,)
+        self._command: VelocityCommand | None = None
+        self._entry, self._twist = -1, STILL  # the one that is played
         self._period_ns = 1
         self._applied_ns = 0
 
     def load(self, command: VelocityCommand, now_ns: int) -> None:
         """Play this command from now on."""
-        turning = command.plan_angular + (ZERO,) * (len(command.plan) - len(command.plan_angular))
-        self._twists = Twist(command.velocity, command.angular), *map(Twist, command.plan, turning)
+        self._command, self._entry = command, -1
         self._period_ns, self._applied_ns = command.plan_period_ns, now_ns
 
     def clear(self) -> None:
         """Play zero from now on."""
-        self._twists = (STILL,)
+        self._command, self._entry, self._twist = None, -1, STILL
 
     def twist(self, now_ns: int) -> Twist:
         """Twist of the tool at `now_ns` (base)."""
-        j = (now_ns - self._applied_ns) // self._period_ns
-        return self._twists[max(0, j)] if j < len(self._twists) else STILL
+        if self._command is None:
+            return STILL
+        j = max(0, (now_ns - self._applied_ns) // self._period_ns)
+        if j != self._entry:
+            self._entry, self._twist = j, _entry(self._command, j)
+        return self._twist
+
+
+def _entry(command: VelocityCommand, j: int) -> Twist:
+    if j == 0:
+        return Twist(command.velocity, command.angular)
+    if j > len(command.plan):
+        return STILL
+    turning = command.plan_angular
+    return Twist(command.plan[j - 1], turning[j - 1] if j <= len(turning) else ZERO)

@@ -8,6 +8,7 @@ stamp that the command echoes.
 
 from collections import Counter, OrderedDict, deque
 from dataclasses import dataclass
+from itertools import chain
 
 from farhand.common.geometry import STILL, Twist, norm
 from farhand.common.messages.base import SafetyMode
@@ -87,7 +88,7 @@ class Watchdog:
 
     def twist(self, now_ns: int) -> Twist:
         """The twist of the tool that is allowed at `now_ns` (base)."""
-        return STILL if self.latched else self._player.twist(now_ns)
+        return STILL if self.mode in _LATCHED else self._player.twist(now_ns)
 
     def tick(self, now_ns: int) -> None:
         """Let time act: timeouts and the end of a lease."""
@@ -121,6 +122,15 @@ class Watchdog:
     def fault(self, what: str, now_ns: int) -> None:
         """Something inside the robot failed: stop, and stay stopped."""
         self._stop("stopped", f"{FAULT}{what}"[:512], now_ns)
+
+    def block(self, why: str, now_ns: int) -> None:
+        """The robot itself says that it cannot move: stopped, by what it says now; called for as long as it says so.
+
+        Only an acknowledgement that is built on a state from after the last call leads on.
+        """
+        if self.mode != "estop":
+            self._stop("stopped", why[:512], now_ns)
+        self._stopped_ns = now_ns
 
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
@@ -259,10 +269,7 @@ def _outside(command: VelocityCommand) -> str:
 
 def _fastest(command: VelocityCommand) -> float:
     """Largest magnitude in any axis of the velocity and of its plan (m/s)."""
-    fastest = max(map(abs, command.velocity))
-    for velocity in command.plan:
-        fastest = max(fastest, *map(abs, velocity))
-    return fastest
+    return max(map(abs, chain(command.velocity, *command.plan)))
 
 
 def _fastest_turn(command: VelocityCommand) -> float:

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.__main__ import NAMES
 
-WITH_PROCESSES = ("netem", "ros2")
+WITH_PROCESSES = ("netem", "ros2", "seat")
 
 
 def _run(name, folder, monkeypatch):
@@ -24,6 +24,7 @@ def test_a_benchmark_runs(name, tmp_path, monkeypatch):
 
 
 @pytest.mark.realtime
+@pytest.mark.long
 @pytest.mark.parametrize("name", WITH_PROCESSES)
 def test_a_benchmark_with_processes_runs(name, tmp_path, monkeypatch):
     _run(name, tmp_path, monkeypatch)

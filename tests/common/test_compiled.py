@@ -114,11 +114,8 @@ def test_a_disk_without_space_costs_the_cache_alone(tmp_path, size):
     path = os.pathsep.join([str(tmp_path), *sys.path])
     cramped = ["bash", "-c", f"ulimit -f {size}; exec {sys.executable} -c '{ASK}'"]
     environment = {**os.environ, "PYTHONPATH": path}
-    for _ in range(2):
-        done = subprocess.run(
-            cramped, env=environment, capture_output=True, text=True, check=True, timeout=120
-        )
-        assert done.stdout.split()[:2] == ["4.0", "0"]
+    done = subprocess.run(cramped, env=environment, capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout.split()[:2] == ["4.0", "0"]
     assert ask(tmp_path)[:2] == (4.0, 0)
     assert ask(tmp_path)[:2] == (4.0, 1)
 

@@ -43,6 +43,7 @@ def test_the_page_has_a_package_for_each_kind():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda c: re.sub(r"[^\w]+", "-", c)[:60])
 def test_each_command_of_the_page_runs(extended, command, tmp_path):
     done = extended.farhand(*shlex.split(command), cwd=_prepared(tmp_path))
@@ -55,6 +56,7 @@ def test_each_command_of_the_page_runs(extended, command, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_sweep_over_an_own_kind_and_its_setting(extended, tmp_path):
     (tmp_path / "sweep.toml").write_text(
         'scenario = "point-obstacle"\nnetwork = "constant:100"\nseeds = 1\ntime_limit = 5.0\n'
@@ -68,6 +70,7 @@ def test_a_sweep_over_an_own_kind_and_its_setting(extended, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_an_own_kind_is_recorded_with_its_settings_and_replays(extended, tmp_path):
     words = ["--scenario", "point-obstacle", "--network", "constant:100", "--time-limit", "5", "--out", "run"]
     chosen = ["--margin", "steady", "--set", "margin.steady.metres=0.08"]
@@ -79,6 +82,7 @@ def test_an_own_kind_is_recorded_with_its_settings_and_replays(extended, tmp_pat
     assert found["identical"] == found["ticks"] > 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("words", "said"),
     [

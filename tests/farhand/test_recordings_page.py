@@ -1,8 +1,11 @@
 """docs/recordings.md names every topic of a recording, of a bag, and every feature of a dataset, and none besides."""
 
+import json
 import re
 from pathlib import Path
 
+from farhand.cli import run
+from farhand.exports.axes import as_positions
 from farhand.exports.episodes import values_of
 from farhand.exports.lerobot import CAMERA_KEY
 from farhand.exports.rosbag import TOPICS
@@ -38,8 +41,21 @@ def test_topics_of_a_bag():
 
 def test_features_of_a_dataset():
     zero = (0.0, 0.0, 0.0)
-    features = set(values_of(report(), state(), (zero, zero), (1.0, 0.0, 0.0, 0.0))) | {CAMERA_KEY}
+    values = values_of(report(), state(), (zero, zero), (1.0, 0.0, 0.0, 0.0))
+    features = {*values, *as_positions(values, 0.1), CAMERA_KEY}
     assert first_cells(section("LeRobot"), r"`([a-z._]+)`") == features
+
+
+def test_fields_of_the_report_as_json(tmp_path, capsys):
+    """Under one `schema` no field goes and none changes its name: who compares runs relies on it."""
+    make_run(tmp_path / "made.mcap", ticks=12)
+    assert run(["report", str(tmp_path / "made.mcap"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    text = section("As JSON")
+    assert f"`{found['schema']}`" in text
+    assert first_cells(text, r"`([a-z_]+)`") == set(found["runs"][0])
+    assert ", ".join(found["runs"][0]["margin_width"]) == "count, mean, p50, p99, max"
+    assert ", ".join(found["runs"][0]["events"][0]) == "kind, begin, end, words, facts"
 
 
 def test_tables():

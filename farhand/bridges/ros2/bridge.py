@@ -15,7 +15,7 @@ from farhand.bridges.ros2.twist_hand import SILENCE_NS, TwistHand
 from farhand.bridges.ros2.wire import SENSOR
 from farhand.common.link.link import Link
 from farhand.common.timing.clock import SystemClock
-from farhand.operator_side.steering.sender import SteeringSender
+from farhand.operator_side.steering.hand.sender import SteeringSender
 
 
 class Desk(Protocol):

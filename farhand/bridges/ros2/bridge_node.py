@@ -5,13 +5,13 @@ from typing import Protocol
 
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.keys import kind_of
+from farhand.common.messages.steering import Steering, unsent
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.devices.device_node import REFUSED
 from farhand.operator_side.devices.hand import Obstacles
 from farhand.operator_side.devices.hearing import Hearing
-from farhand.operator_side.steering.sender import SteeringSender
-from farhand.operator_side.steering.wish import Wish
+from farhand.operator_side.steering.hand.sender import SteeringSender
 
 PERIOD = 0.01
 LEAST_NS = 5_000_000
@@ -35,7 +35,7 @@ class Device(Protocol):
         """Take what has come; whether anything has."""
         ...
 
-    def wish(self, now_ns: int, obstacles: Obstacles) -> Wish:
+    def wish(self, now_ns: int, obstacles: Obstacles) -> Steering:
         """What is wanted."""
         ...
 
@@ -86,7 +86,7 @@ class BridgeNode:
     def leave(self, now_ns: int) -> None:
         """Give the wheel up; the last message of a session."""
         for seat in self._seats:
-            seat.sender.send(Wish(release=True), now_ns, drives=False)
+            seat.sender.send(unsent(release=True), now_ns, drives=False)
 
     def _send(self, seat: _Seat, now_ns: int) -> None:
         obstacles = self.hearing.obstacles(now_ns)

@@ -1,6 +1,6 @@
 """What a joystick's axes and buttons do: those of an Xbox pad under `joy_node`."""
 
-from farhand.operator_side.steering.hand_settings import HandSettings
+from farhand.operator_side.steering.hand.hand_settings import HandSettings
 
 
 class JoySettings(HandSettings, frozen=True, kw_only=True):

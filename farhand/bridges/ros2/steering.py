@@ -4,10 +4,10 @@ from farhand.bridges.ros2.arrivals import LATE, Arrivals
 from farhand.bridges.ros2.inbound import Reader, Refusals, RefusedError, TwistFrames, inputs_of
 from farhand.bridges.ros2.node import Subscription
 from farhand.bridges.ros2.twist_hand import TwistHand
+from farhand.common.messages.steering import Steering
 from farhand.operator_side.devices.hand import Hand, Obstacles
 from farhand.operator_side.devices.reading import Reading
-from farhand.operator_side.steering.hand_settings import HandSettings
-from farhand.operator_side.steering.wish import Wish
+from farhand.operator_side.steering.hand.hand_settings import HandSettings
 
 
 class TwistDevice:
@@ -51,7 +51,7 @@ class TwistDevice:
                 self._refusals.add(self._subscription.topic, why, f"a twist {why}", now_ns)
         return bool(heard)
 
-    def wish(self, now_ns: int, obstacles: Obstacles) -> Wish:
+    def wish(self, now_ns: int, obstacles: Obstacles) -> Steering:
         """What is wanted; nothing where something is in the way, and then only a fresh press wants anything."""
         if obstacles.lost or obstacles.stopped:
             self._hand.let_go()
@@ -108,7 +108,7 @@ class JoyDevice:
                 self._take(attachment.gid, inputs, each.arrived_ns)
         return bool(heard)
 
-    def wish(self, now_ns: int, obstacles: Obstacles) -> Wish:
+    def wish(self, now_ns: int, obstacles: Obstacles) -> Steering:
         """What is wanted at `now_ns`."""
         return self._hand.feel(self._reading, now_ns, obstacles)
 

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from farhand.bridges.ros2.arrivals import LATE, Arrivals
 from farhand.common.geometry import norm
 from farhand.common.messages.base import ZERO, Vector3
-from farhand.common.messages.steering import Frame, Unit
-from farhand.operator_side.steering.wish import Wish
+from farhand.common.messages.steering import Frame, Steering, Unit, unsent
 
 SILENCE_NS = 100_000_000
 """Who says nothing for so long has let go."""
@@ -109,16 +108,16 @@ class TwistHand:
             self._rested[gid] = False
         self.says = "waits for twists: a zero first"
 
-    def wish(self, now_ns: int) -> Wish:
+    def wish(self, now_ns: int) -> Steering:
         """What is wanted at `now_ns`; the instants never go back."""
         self._settle(now_ns)
         if self._driver is None:
             release = self.drives and now_ns - self._moved_ns > GIVES_UP_NS
             self.drives = self.drives and not release
-            return Wish(press=self._press, release=release)
+            return unsent(press=self._press, release=release)
         self.drives, self._moved_ns = True, now_ns
         wanted = self._wanted
-        return Wish(
+        return unsent(
             engaged=True,
             press=self._press,
             linear=wanted.linear,

@@ -109,6 +109,8 @@ def _never_nearer(away: Array, motion: Array, standing: Array, dt: float) -> NDA
 
 
 def _starts_inside(problem: ControlProblem) -> bool:
+    if rows.starts_clear(problem):
+        return False
     away = problem.position - problem.centres
     room = rows.values(problem, away[:, None])[:, 0] - problem.sigmas
     return bool((room < -NEAR).any())

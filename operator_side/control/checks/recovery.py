@@ -24,6 +24,8 @@ JUST_OUTSIDE = 1.0 - 1e-4
 
 def eased(problem: ControlProblem, settings: ControllerSettings) -> ControlProblem | None:
     """The problem to be solved instead, or None when the start is outside every margin."""
+    if rows.starts_clear(problem):
+        return None
     gaps, outward = rows.gaps(problem)
     reach = rows.reaches(problem)
     inside = (gaps < reach) & ((gaps > 1e-6) | (problem.flat != 0.0))

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from farhand.common.geometry import Array, norm, to_vector3
 from farhand.common.messages.intervention import Intervention, deed
+from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel import body as moving
 from farhand.robot_side.kernel import guard as kernel
@@ -132,13 +133,7 @@ class ArmGuard:
         self._limits = np.array([arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration])
         self._home = np.ascontiguousarray(arm.home, dtype=float)
         n = arm.n
-        self._R, self._p, self._R_tool, self._p_tool = (
-            np.empty((n, 3, 3)),
-            np.empty((n, 3)),
-            np.eye(3),
-            np.zeros(3),
-        )
-        self._J = np.zeros((6, n))
+        self._own_chain, self._J = ArmChain(arm), np.zeros((6, n))
         self._A, self._b = np.zeros((ROWS, n)), np.zeros(ROWS)
         self._facts, self._watched = np.zeros((ROWS, 4)), np.zeros((WATCHED, 5))
         self._qd, self._previous, self._asked = np.zeros(n), np.zeros(n), np.zeros(n)
@@ -159,6 +154,7 @@ class ArmGuard:
         R_base_wanted: Array,
         around: Surroundings,
         asked: Array | None = None,
+        placed: ArmChain | None = None,
     ) -> Array:
         """Joint velocities to command now (n,), rad/s; the array is the same at every call.
 
@@ -169,8 +165,12 @@ class ArmGuard:
             around: the obstacles now.
             asked: (n,) joint velocities of another velocity control, to be changed as little as can be; None: the
                 direction-keeping law decides.
+            placed: the arm's frames at `joints.q`, where they are known already.
         """
         body, report = self.body, self._report
+        chain = self._own_chain if placed is None else placed
+        tool = chain.tool
+        self._J = tool.jacobian
         by_law = asked is None
         self._previous[:] = joints.commanded  # may be the array that is filled
         if asked is not None:
@@ -178,7 +178,7 @@ class ArmGuard:
         status = kernel.guarded_tick(
             body.chain, self._limits, self._home, body.capsules, body.reach, body.pairs, body.slack, self._par,
             around.rows, around.vertices, joints.q, joints.qd, self._previous, v, w, R_base_wanted, self._asked, by_law,
-            self._R, self._p, self._R_tool, self._p_tool, self._J,
+            placed is not None, chain.R_base_joint, chain.p_base_joint, tool.R_base_tool, tool.position, tool.jacobian,
             self._A, self._b, self._facts, self._watched, self._qd, report,
         )  # fmt: skip
         said = report.tolist()

@@ -1,5 +1,7 @@
 """The guard of robots that are a sphere around their tool: the free-flying box, the point, kinds from outside."""
 
+from struct import Struct
+
 import numpy as np
 
 from farhand.common.geometry import Twist, Vector3
@@ -58,7 +60,7 @@ class ToolGuard:
         par[LIMIT] = (1.0 - DOUBT) * settings.acceleration
         self._par = par
         self._limit = settings.d_min + SPARE
-        self._given = np.zeros(9)
+        self._given, self._write = np.zeros(9), Struct("9d").pack_into
         self._u, self._facts = np.zeros(3), np.zeros(3)
         self.did: Intervention | None = None
         self.pinched = 0
@@ -78,7 +80,7 @@ class ToolGuard:
             asked: what watchdog and plan let through.
             around: the obstacles now.
         """
-        self._given[:] = (*position, *velocity, *asked.linear)
+        self._write(self._given.data, 0, *position, *velocity, *asked.linear)
         done = guard(self._given, around.rows, around.vertices, self._par, self._u, self._facts)
         self.did = None
         if done == FREE:

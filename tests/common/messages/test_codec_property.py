@@ -6,7 +6,7 @@ from collections import Counter
 import msgpack
 import msgspec
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from farhand.common.messages.base import SCHEMA, Echo
@@ -18,6 +18,7 @@ from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.messages.steering import Steering
+from tests.examples import tries
 
 REASONS = {"length", "malformed", "checksum", "schema", "unknown-field", "type", "non-finite"}
 TURNING = [*map(chr, range(0x202A, 0x202F)), *map(chr, range(0x2066, 0x206A))]  # the direction of writing
@@ -172,7 +173,7 @@ def listed(value):
     return [listed(v) for v in value] if isinstance(value, list | tuple) else value
 
 
-@settings(max_examples=200)
+@tries(60, of=200)
 @given(messages)
 def test_every_message_survives_the_wire(message):
     decoder = Decoder(type(message))
@@ -221,7 +222,7 @@ junk = st.recursive(
 )
 
 
-@settings(max_examples=300)
+@tries(100, of=300)
 @given(messages, st.data())
 def test_a_message_with_one_field_of_junk_is_a_message_or_refused(message, data):
     table = plain(message)

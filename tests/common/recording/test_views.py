@@ -37,8 +37,8 @@ def test_a_picture_is_an_image_for_viewers_and_a_line_for_programs():
     assert found["/operator/report"][1].log_time == EPOCH_NS + 5
 
 
-def test_numbers_keep_seven_digits():
+def test_numbers_keep_six_digits():
     assert shortened({"a": [0.123456789123, 2, "x", None], "b": (1e-12 / 3,)}) == {
-        "a": [0.1234568, 2, "x", None],
-        "b": [3.333333e-13],
+        "a": [0.123457, 2, "x", None],
+        "b": [3.33333e-13],
     }

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from farhand.common.shapes.box import Box
 from farhand.common.shapes.capsule import Capsule
@@ -11,6 +11,7 @@ from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.sphere import Sphere
 from tests.common.shapes.shape_strategies import DIRECTIONS_FEW, make_mesh, solids
+from tests.examples import tries
 
 
 def uncovered(shape, centres, radii) -> float:
@@ -23,7 +24,7 @@ def uncovered(shape, centres, radii) -> float:
     return float(gaps.min(axis=1).max())
 
 
-@settings(max_examples=60, deadline=None)
+@tries(25, of=60)
 @given(solids)
 def test_all_is_covered_and_nothing_by_much_more(shape):
     found = closely_covered(shape)

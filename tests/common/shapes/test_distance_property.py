@@ -5,7 +5,7 @@ import math
 import coal
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from farhand.common.shapes.box import Box
@@ -17,12 +17,13 @@ from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.pose import into, rotation
 from farhand.common.shapes.sphere import Sphere
 from tests.common.shapes.shape_strategies import make_mesh, obstacles, points, solids, support, turns
+from tests.examples import tries
 
 DIRECTIONS = np.random.default_rng(5).normal(size=(2000, 3))
 DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1)[:, None]
 
 
-@settings(max_examples=300, deadline=None)
+@tries(100, of=300)
 @given(solids, points)
 def test_no_direction_tells_a_point_farther_from_a_convex_body(shape, point):
     """The signed distance is the largest of n p - h(n) over all unit n, h being the support function."""
@@ -33,7 +34,7 @@ def test_no_direction_tells_a_point_farther_from_a_convex_body(shape, point):
     assert found <= over.max() + 0.1 * (0.9 + math.dist(point, (0, 0, 0)))
 
 
-@settings(max_examples=500, deadline=None)
+@tries(166, of=500)
 @given(solids, points)
 def test_the_witness_lies_on_the_surface_and_proves_the_distance(shape, point):
     found = shape.distance(*point)
@@ -47,14 +48,14 @@ def test_the_witness_lies_on_the_surface_and_proves_the_distance(shape, point):
     assert beyond == pytest.approx(0.0, abs=1e-7)
 
 
-@settings(max_examples=300, deadline=None)
+@tries(100, of=300)
 @given(obstacles, points, points)
 def test_no_distance_changes_faster_than_the_point_moves(obstacle, one, other):
     change = abs(distance_to(obstacle, one) - distance_to(obstacle, other))
     assert change <= math.dist(one, other) + 1e-9
 
 
-@settings(max_examples=200, deadline=None)
+@tries(66, of=200)
 @given(obstacles, points)
 def test_the_pose_is_a_rigid_motion(obstacle, point):
     inside = into(rotation(obstacle.orientation), obstacle.position, point)
@@ -64,7 +65,7 @@ def test_the_pose_is_a_rigid_motion(obstacle, point):
     assert math.dist(inside, (0, 0, 0)) == pytest.approx(math.dist(point, obstacle.position), abs=1e-12)
 
 
-@settings(max_examples=100, deadline=None)
+@tries(100, of=100)
 @given(solids, points)
 def test_the_bounding_ball_holds_all(shape, point):
     assert shape.bounding_radius >= support(shape, DIRECTIONS).max() - 1e-9
@@ -89,7 +90,7 @@ def in_coal(shape):
     return found.convex
 
 
-@settings(max_examples=200, deadline=None)
+@tries(66, of=200)
 @given(solids | st.just(Plane()), points, turns, points, st.floats(0.001, 0.1))
 def test_coal_says_the_same_of_a_ball_and_any_shape(shape, at, turn, point, radius):
     obstacle = Obstacle("o", at, shape=shape, orientation=turn)

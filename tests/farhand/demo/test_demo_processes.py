@@ -9,10 +9,13 @@ import pytest
 
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
+from farhand.common.messages.state import RobotState
 from farhand.common.recording.reader import read_run
+from farhand.common.timing.clock import utc_seconds
 from farhand.laboratory.simulation import simulate
 from farhand.runs.scenario import load_scenario
 from farhand.testing import Program, short_task
+from tests.examples import also
 
 pytestmark = pytest.mark.realtime
 ENDS_WITHIN = 2.0
@@ -23,6 +26,7 @@ id = "ball"
 position = [0.35, 0.0, 0.43]
 radius = 0.05
 """
+TOO_LATE = 0.01
 UPLINK, DOWNLINK, SEED = "gaussian:60,10", "constant:60", 5
 
 
@@ -107,11 +111,15 @@ def test_virtual_time_agrees_with_real_time(finished):
     """Clearance within 5 mm, round trips within 3 ms: the same draws, in processes and in one.
 
     Virtual time has no wire, so the tick is charged what computing and wire took in the median. Quartiles, since
-    a loaded machine holds up a message now and then.
+    a loaded machine holds up a message now and then; one that holds up many is granted twice what it was late by on
+    the way down, and nothing is compared where that would hide the draws.
     """
     demo, _, summary = finished
     run = read_run(demo.folder / "run.mcap")
     assert run.complete
+    late = 2.0 * lateness(run)
+    if late > TOO_LATE:
+        pytest.skip(f"the machine was late by {late * 1e3:.0f} ms: too much to see the draws")
     decode = Decoder(ControlReport).decode_or_raise
     real = quartiles(decode(tick.report) for tick in run.ticks)
     scenario = load_scenario(str(demo.scenario))
@@ -130,18 +138,32 @@ def test_virtual_time_agrees_with_real_time(finished):
     overhead = real[1] - virtual(0.0)[0][1]
     assert 0.0 < overhead < 0.05
     found, virtual_summary = virtual(overhead)
-    assert found == pytest.approx(real, abs=0.003)
+    assert found == pytest.approx(real, abs=max(0.003, late))
     assert found[2] - found[0] > 0.006  # or the draws would say nothing
     assert virtual_summary.finished
-    assert virtual_summary.min_clearance == pytest.approx(summary["min_clearance"], abs=0.005)
+    assert virtual_summary.min_clearance == pytest.approx(
+        summary["min_clearance"], abs=0.005 + max(scenario.controller.speed_limit) * max(0.0, late - 0.003)
+    )
     assert virtual_summary.duration == pytest.approx(summary["duration"], rel=0.1)
+
+
+def lateness(run):
+    """By how much nine of ten states came later at most than the quickest; the downlink delays all alike (s)."""
+    decode = Decoder(RobotState).decode_or_raise
+    ways = sorted(
+        arrived_ns - decode(payload).t_sent_ns
+        for tick in run.ticks
+        for key, arrived_ns, payload in tick.packets
+        if key.endswith("/state")
+    )
+    return (ways[int(0.9 * len(ways))] - ways[0]) * 1e-9
 
 
 def quartiles(reports):
     return statistics.quantiles([r.rtt for r in reports if r.rtt is not None])
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, also(signal.SIGTERM), also(signal.SIGHUP)])
 def test_ctrl_c_and_its_like_end_all_three(demo, number):
     children = demo.wait_until_it_drives()
     demo.signal(number)
@@ -153,7 +175,7 @@ def test_ctrl_c_and_its_like_end_all_three(demo, number):
     assert (demo.folder / "summary.json").exists()
 
 
-@pytest.mark.parametrize("victim", ["operator", "netem", "robot"])
+@pytest.mark.parametrize("victim", [also("operator"), also("netem"), "robot"])
 def test_the_death_of_one_ends_all_and_is_told(demo, victim):
     children = demo.wait_until_it_drives()
     children[victim].kill()
@@ -164,15 +186,20 @@ def test_the_death_of_one_ends_all_and_is_told(demo, victim):
     assert not summary["finished"]
 
 
-def test_the_death_of_the_recorder_costs_the_recording_alone(demo):
+def test_the_death_of_the_recorder_costs_the_last_second_of_the_recording_alone(demo):
     children = demo.wait_until_it_drives()
+    file = demo.folder / "run.mcap"
+    before = file.stat().st_size
+    demo.wait_for_line(lambda _: file.stat().st_size > before)  # it is up with the operator's program
+    killed = utc_seconds()
     children["record"].kill()
     code, summary = demo.end()
     assert (code, summary["finished"], summary["why"]) == (0, True, "")
     assert any("the record program was killed by signal 9" in line for line in demo.said)
     run = read_run(demo.folder / "run.mcap")
     assert run.cut_off
-    assert run.ticks  # all but the last second is there
+    assert killed - (run.ticks[-1].now_ns + run.info.epoch_ns) * 1e-9 < 1.0
+    assert run.whole_ticks == len(run.ticks) > 5
 
 
 def test_the_death_of_the_demo_itself_leaves_nothing(demo):

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 
 from farhand.common.errors import RunFileError
 from farhand.common.recording.reader import Gap, RunReader
@@ -17,6 +19,13 @@ STEP_NS = 33_000_000
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("made") / "made.mcap"
     make_run(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    path = tmp_path_factory.mktemp("short") / "short.mcap"
+    make_run(path, ticks=15)
     return path
 
 
@@ -123,3 +132,30 @@ def test_a_scene_is_put_together_from_its_updates_and_deletions():
     )
     scene.take(SceneUpdate(deletions=[SceneEntityDeletion(timestamp=at, type=gone.All, id="")]).encode())
     assert not scene.names
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, 10**9), st.integers(0, 7))
+@example(-1, 0)
+def test_what_a_flipped_bit_took_away_is_told_of(short, tmp_path, place, bit):
+    data = bytearray(short.read_bytes())
+    place = data.index(b"/joints") if place < 0 else place % len(data)
+    data[place] ^= 1 << bit
+    damaged = tmp_path / "run.mcap"
+    damaged.write_bytes(data)
+    try:
+        whole, _ = played(short)
+        found, lacks = played(damaged)
+    except RunFileError:
+        return
+    assert found == whole or lacks
+
+
+def played(path):
+    """All that a recording says by topic and time, and what is said to be missing."""
+    topics, said = RecordedTopics(path), []
+    player = Player(topics, lambda number, at, data: said.append((topics.specs[number - 1].topic, at, data)))
+    player.seek(topics.start_ns)
+    player.advance(topics.end_ns)
+    topics.close()
+    return sorted(said), topics.lacks

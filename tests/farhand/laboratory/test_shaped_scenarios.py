@@ -7,10 +7,18 @@ from farhand.common.shapes.distance import distance_to
 from farhand.common.shapes.obstacle import moved
 from farhand.laboratory.simulation import simulate
 from farhand.runs.scenario import load_scenario, replace_settings
+from tests.examples import also
 
 
-@pytest.mark.parametrize("guard", [True, False])
-@pytest.mark.parametrize("network", ["bursty-loss-20", "outages"])
+@pytest.mark.parametrize(
+    ("network", "guard"),
+    [
+        ("bursty-loss-20", True),
+        ("outages", False),
+        also("bursty-loss-20", False),
+        also("outages", True),
+    ],
+)
 @pytest.mark.parametrize(("name", "at_first", "least"), [("shuttle", "cart", 0.03), ("table", "crate", 0.03)])
 def test_safe_over_bad_networks(name, at_first, least, network, guard):
     scenario = replace_settings(load_scenario(name), {"guard.on": guard})

@@ -57,8 +57,7 @@ def test_a_report_that_finds_no_place_costs_nothing_but_itself(tmp_path, monkeyp
     monkeypatch.setattr("farhand.report.write.write_whole", full)
     run = replace(Run.over(load_scenario("point-obstacle")), time_limit=0.3)
     assert run_simulation(run, out=tmp_path, as_json=False) == 1
-    assert "report.html: cannot be written: No space left on device" in " ".join(
-        capsys.readouterr().out.split()
-    )
+    said = "".join(capsys.readouterr().out.split())  # a long path is broken anywhere
+    assert "report.html:cannotbewritten:Nospaceleftondevice" in said
     assert (tmp_path / "summary.json").is_file()
     assert not (tmp_path / "report.html").exists()

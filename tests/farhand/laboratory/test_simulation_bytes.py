@@ -15,30 +15,27 @@ from tests.netem.recordings.samples.places import SAMPLES, measured
 ROOT = Path(__file__).resolve().parents[3]
 PROFILES = ("5g-urban", "starlink", "wifi-moving", "bursty-loss-20", "outages")
 
-DIGEST = """
-import sys
-from farhand.runs.scenario import load_scenario
-from farhand.laboratory.simulation import simulate
-for kind in ("point", "box"):
-    result = simulate(load_scenario(f"{kind}-obstacle"), uplink=sys.argv[1], downlink=sys.argv[1], seed=7,
-                      time_limit=3.0, digest=True)
-    print(result.digest)
-"""
+SPEC = "uniform:50,200 loss:10% duplicate:1%"
 
 
-def digest_in_a_fresh_process(spec: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-c", DIGEST, spec], capture_output=True, text=True, cwd=ROOT, check=False
+def digests() -> list[str]:
+    return [
+        simulate(kind, uplink=SPEC, downlink=SPEC, seed=7, time_limit=3.0, digest=True).digest
+        for kind in ("point-obstacle", "box-obstacle")
+    ]
+
+
+def test_a_fresh_process_gives_the_same_bytes():
+    fresh = subprocess.run(
+        [sys.executable, "-c", f"from {__name__} import digests; print(*digests())"],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        check=False,
     )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def test_two_fresh_processes_give_the_same_bytes():
-    spec = "uniform:50,200 loss:10% duplicate:1%"
-    first, second = digest_in_a_fresh_process(spec), digest_in_a_fresh_process(spec)
-    assert first == second
-    assert len(set(first.split())) == 2
+    assert fresh.returncode == 0, fresh.stderr
+    assert fresh.stdout.split() == digests()
+    assert len(set(digests())) == 2
 
 
 def test_the_digest_sees_the_seed():

@@ -125,3 +125,15 @@ def test_virtual_time_never_runs_backwards():
     clock.advance_to(5)
     with pytest.raises(ValueError, match="backwards"):
         clock.advance_to(4)
+
+
+def test_a_node_that_runs_on_lets_in_what_is_due_between_and_ends_in_time(executor, log):
+    executor.add(Beat("robot", log, 2), Priority.ROBOT)
+    executor.call_at(5, Priority.OPERATOR, lambda now_ns: log.append((now_ns, "between")))
+    executor.call_at(8, Priority.NETEM, lambda now_ns: log.append((now_ns, "with it")))
+    executor.run_until(9)
+    beats = [(now_ns, "robot") for now_ns in (0, 2, 4, 6, 8)]
+    assert log == [*beats[:3], (5, "between"), *beats[3:], (8, "with it")]
+    assert executor.clock.now_ns() == 9
+    executor.run_until(20, lambda: len(log) >= 9)
+    assert log[7:] == [(10, "robot"), (12, "robot")]

@@ -10,6 +10,7 @@ from farhand.common.link.zenoh_link import open_session
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import read_run
+from farhand.common.timing.clock import SystemClock
 from farhand.operator_side.tick_history import TickHistory
 from farhand.site.tick_server import TickServer
 from farhand.testing import Programs
@@ -46,7 +47,7 @@ def test_an_operators_ticks_are_shown_and_its_silence_is_said(path, tmp_path):
     (port,) = free_ports(1)
     run, decode = read_run(path), Decoder(ControlReport).decode
     history, session = TickHistory(), open_session(listen=[f"tcp/127.0.0.1:{port}"])
-    server = TickServer(history, run.info, session)
+    server = TickServer(history, run.info, session, SystemClock().now_ns)
     try:
         with Programs(tmp_path) as programs:
             program = programs.start(

@@ -316,7 +316,7 @@ def test_what_a_program_keeps_for_its_recorder_is_whole(tmp_path):
     controller = make_controller(settings.controller)
     node = make_operator(settings, link, OperatorIdentity("r", 7, "o"), controller)
     node.recorder = TickHistory()
-    server = TickServer(node.recorder, INFO, Silent())
+    server = TickServer(node.recorder, INFO, Silent(), clock.now_ns)
     ticks = []
     node.listeners += [ticks.append, lambda report: len(ticks) == 3 and stop.set()]
     run_operator(node, clock, stop, realtime=False)

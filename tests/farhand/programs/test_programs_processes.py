@@ -22,6 +22,7 @@ from farhand.programs.command_line import NetemWords, OperatorWords, RecordWords
 from farhand.site.tap import run_tap
 from farhand.testing import Witness, command, echo_of, short_task
 from farhand.testing.programs import PATIENCE
+from tests.examples import also
 
 pytestmark = pytest.mark.realtime
 MS = 1_000_000
@@ -93,7 +94,7 @@ def test_a_silent_operator_makes_the_robot_hold_then_stop_and_it_goes_on_after(
     assert result["commands_received"] > 10
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, also(signal.SIGTERM), also(signal.SIGHUP)])
 def test_each_signal_ends_a_program_with_its_result_and_releases_what_it_holds(
     started, endpoint, tmp_path, number
 ):

@@ -6,8 +6,8 @@ from farhand.cli import run
 from farhand.common.timing.clock import SystemClock
 from farhand.operator_side.devices.device_node import DeviceNode
 from farhand.operator_side.devices.hand import Hand
-from farhand.operator_side.steering.gamepad import GamepadSettings
-from farhand.operator_side.steering.sender import SteeringSender
+from farhand.operator_side.steering.hand.gamepad import GamepadSettings
+from farhand.operator_side.steering.hand.sender import SteeringSender
 from farhand.programs.steer import RUMBLE_EVERY, reading
 from farhand.testing import ScriptedLink
 

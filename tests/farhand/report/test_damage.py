@@ -1,10 +1,13 @@
 """A damaged recording: what is readable, with a note of what is missing; never a wrong figure without a word."""
 
+import os
+
 import msgspec
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from farhand.cli import run as run_cli
 from farhand.common.errors import InputError
 from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.simulation import simulate
@@ -82,6 +85,15 @@ def test_a_recording_of_another_format_is_one_line(tmp_path):
     RunFile(path, msgspec.structs.replace(INFO, format="farhand-run-2")).close()
     with pytest.raises(InputError, match="'farhand-run-2'; this program reads"):
         read_story(path)
+
+
+def test_what_is_neither_file_nor_folder_is_not_waited_for(tmp_path, capsys):
+    path = tmp_path / "pipe.mcap"
+    os.mkfifo(path)
+    assert run_cli(["report", str(path)]) == 2
+    assert capsys.readouterr().err.endswith(
+        "is neither file nor folder; expected a run's folder or its run.mcap\n"
+    )
 
 
 def test_a_recording_without_a_tick_has_a_page(tmp_path):

@@ -7,6 +7,7 @@ import os
 
 import msgspec
 import pytest
+from mcap.reader import make_reader
 
 from farhand.cli import run
 from farhand.common.messages.codec import encode
@@ -20,13 +21,20 @@ from farhand.runs.summary import write_summary
 from farhand.testing import report
 
 INFO = RunInfo(
-    scenario={"name": "field", "network": {"uplink": "a", "downlink": "b"}},
+    scenario={"name": "point-obstacle", "network": {"uplink": "a", "downlink": "b"}},
     robot="r",
     session=1,
     seed=0,
     versions={},
     clock="real",
 )
+
+
+def list_times(path):
+    """First and last instant, as the end of a file says them."""
+    with path.open("rb") as file:
+        said = make_reader(file).get_summary().statistics
+    return said.message_start_time.to_bytes(8, "little") + said.message_end_time.to_bytes(8, "little")
 
 
 def record(path, began, ticks=11):
@@ -64,12 +72,49 @@ def test_it_tells_when_what_how_long_and_how_it_went(runs, summary):
     assert list(found) == ["run-0", "run-1", "run-2", "alone.mcap"]
     assert found["run-0"].result == "unknown"
     assert found["run-0"].note == "no summary.json"
-    assert (found["run-0"].scenario, found["run-0"].network) == ("field", "a / b")
+    assert (found["run-0"].scenario, found["run-0"].network) == ("point-obstacle", "a / b")
     assert found["run-1"].result == "safe, not finished"
     assert found["run-1"].network == summary.network
     assert all(each.length == pytest.approx(1.0) for each in found.values())
     assert utc_seconds() - found["run-0"].when == pytest.approx(86_400, abs=60)
     assert found["run-1"].size == sum(each.stat().st_size for each in (runs / "run-1").iterdir())
+
+
+def test_a_summary_of_another_run_is_no_result_of_this_one(runs, summary):
+    write_summary(msgspec.structs.replace(summary, scenario="another"), runs / "run-1")
+    found = {os.path.basename(each.path): each for each in list_runs(runs)}
+    assert (found["run-1"].result, found["run-1"].scenario) == ("unknown", "point-obstacle")
+    assert found["run-1"].note == "summary.json is of another run"
+
+
+def test_a_damaged_end_gives_no_length_and_no_age(runs):
+    path = runs / "alone.mcap"
+    data = bytearray(path.read_bytes())
+    began = int.from_bytes(data[-28:-20], "little")
+    span = data.index(list_times(path), began)
+    data[span + 7] ^= 0x40  # the beginning, by decades
+    path.write_bytes(data)
+    found = next(each for each in list_runs(runs) if each.path == str(path))
+    assert (found.length, found.note) == (None, "recording without an end")
+    assert found.when == pytest.approx(utc_seconds(), abs=60)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can be somebody else for a while")
+def test_a_folder_that_may_not_be_read_is_said_and_the_others_are_told(runs, capsys):
+    (runs / "run-1").chmod(0)
+    for each in [runs, *list(runs.parents)[:-2]]:
+        each.chmod(0o755)
+    os.seteuid(65534)
+    try:
+        found = {os.path.basename(each.path): each for each in list_runs(runs)}
+        assert found["run-1"].note == "cannot be read: Permission denied"
+        assert found["run-2"].length == pytest.approx(1.0)
+        assert remove(runs / "run-1") == "cannot be removed: Permission denied"
+        assert run(["report", str(runs / "run-1")]) == 2
+    finally:
+        os.seteuid(0)
+        (runs / "run-1").chmod(0o700)
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_eighty_columns_show_it_whole(runs, monkeypatch, capsys):

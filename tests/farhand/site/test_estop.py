@@ -11,6 +11,7 @@ from farhand.operator_side.supervision import Supervision
 from farhand.site.estop import EstopServer, emergency_stop
 from farhand.site.reach import check_rights
 from farhand.testing import Programs, Witness, short_task, state
+from tests.examples import also
 from tests.farhand.site.fakes import Asked, Direct, Silent
 
 FAR = [(50.0, 0.0, 0.5)]
@@ -77,7 +78,7 @@ def test_the_operators_program_answers_once_the_robot_confirms_and_refuses_after
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("way", ["robot", "emulator", "operator"])
+@pytest.mark.parametrize("way", ["robot", also("emulator"), "operator"])
 def test_every_way_stops_a_driving_robot_and_it_stays_so(way, tmp_path, capsys):
     up, down, reports = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
     task = ("--scenario", short_task(tmp_path, FAR), "--robot", "r")

@@ -1,14 +1,18 @@
 """A recorded network, again: message by message the same fates and delays, whatever made them."""
 
+import warnings
+
 import msgspec
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from farhand.cli import run as run_cli
 from farhand.common.errors import RunFileError, SpecError
 from farhand.common.recording.fates import FATE_TOPICS, Fate
 from farhand.common.recording.reader import Entry, RunReader
 from farhand.laboratory.simulation import simulate
-from farhand.netem.impairments.recorded import Course, recorded_fates
+from farhand.netem.impairments.recorded import Course, _read, recorded_fates
 from farhand.netem.spec import parse_spec
 
 EVERYTHING = (
@@ -80,13 +84,54 @@ def test_bad_input_is_one_line(tmp_path, capsys):
         parse_spec("recorded:x loss:1%")
     with pytest.raises(SpecError, match="expected ':'"):
         parse_spec("recorded")
-    with pytest.raises(RunFileError, match="no such file"):
+    with pytest.raises(RunFileError, match=r"holds no run\.mcap"):
         parse_spec(f"recorded:{tmp_path}").prepare()
     (tmp_path / "run.mcap").write_bytes(b"nonsense")
     assert run_cli(["simulate", "--network", f"recorded:{tmp_path}", "--time-limit", "1"]) == 2
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1
     assert "not a recording of Farhand" in said[0]
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    path = tmp_path_factory.mktemp("short") / "run.mcap"
+    simulate("point-obstacle", network="constant:70 loss:20%", record_to=path, time_limit=1.0)
+    return path.read_bytes()
+
+
+def used(path, content):
+    """The fates that a damaged recording gives, and what is said of it; None: refused."""
+    path.write_bytes(content)
+    _read.cache_clear()
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            found = recorded_fates(str(path))._courses
+        except RunFileError:
+            return None, []
+    return {key: course._fates for key, course in found.items()}, said
+
+
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, 10**9), st.integers(0, 7), st.booleans())
+def test_another_network_than_the_recorded_one_is_told_of(short, tmp_path, place, bit, cut):
+    path, place = tmp_path / "run.mcap", place % len(short)
+    content = bytearray(short)
+    content[place] ^= 1 << bit
+    whole, nothing = used(path, short)
+    found, said = used(path, short[:place] if cut else bytes(content))
+    assert whole
+    assert not nothing
+    assert found is None or found == whole or said
+
+
+def test_the_command_line_tells_of_it_in_one_line(short, tmp_path, capsys):
+    (tmp_path / "run.mcap").write_bytes(short[: len(short) // 2])
+    words = ["simulate", "--scenario", "point-obstacle", "--timeline", str(tmp_path / "none")]
+    assert run_cli([*words, "--network", f"recorded:{tmp_path}"]) == 2
+    said = [line for line in capsys.readouterr().err.splitlines() if "recorded:" in line]
+    assert said == [f"farhand: recorded:{tmp_path}: the file ends early; the network until then is repeated"]
 
 
 def test_a_run_without_a_network_says_how_one_is_recorded(tmp_path):

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from tests.operator_side.console.browser import CHROMIUM, DRIVER
-from tests.operator_side.console.test_page_browser import LETS_GO_WITHIN, LOADED, Desk
+from tests.operator_side.console.desk import Desk
+from tests.operator_side.console.test_page_browser import LETS_GO_WITHIN, LOADED
 from tests.operator_side.console.test_page_pictures import AT, DOWN, Ur5
 
 pytestmark = [

@@ -15,8 +15,8 @@ from farhand.common.messages.scene import Obstacle
 from farhand.programs.console import _find_model
 from farhand.testing import command, description, report, scene, state
 from tests.operator_side.console.browser import CHROMIUM, DRIVER
+from tests.operator_side.console.desk import Desk
 from tests.operator_side.console.operator import Operator
-from tests.operator_side.console.test_page_browser import Desk
 
 pytestmark = [
     pytest.mark.realtime,

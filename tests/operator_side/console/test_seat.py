@@ -147,7 +147,10 @@ def test_who_says_too_much_must_go():
 
 
 def test_a_stop_counts_as_asked_for_until_the_robot_shows_it_or_it_is_acknowledged():
-    for ends in (lambda pages: pages.seat.stopped(), lambda pages: pages.does(1, "acknowledge")):
+    for ends in (
+        lambda pages: pages.seat.robot_shows(estop=True),
+        lambda pages: pages.does(1, "acknowledge"),
+    ):
         pages = driving()
         assert not pages.seat.stopping
         pages.does(2, "estop")

@@ -118,7 +118,7 @@ def test_a_press_reaches_the_operator_and_the_end_of_the_page_lets_go(client, op
         pressed = [each for each in operator.told if each.engaged]
         assert (pressed[0].linear, pressed[0].scale, pressed[0].press) == ((0.0, 1.0, 0.0), 0.6, 1)
         hear(socket, "frame", lambda told: not told["holds"])  # it said no more
-        assert not operator.told[-1].engaged
+        hear(socket, "frame", lambda _: not operator.told[-1].engaged)  # with the console's next beat
     with page(client) as socket:
         enter(socket)
         hear(socket, "frame", lambda told: told["driver"] == 0)
@@ -321,3 +321,23 @@ def test_who_drives_changes_the_network_and_what_is_shown_is_the_emulators_answe
         assert told["networks"]["name"] == "constant:200 / none"
         network.answer = None
         hear(driver, "frame", lambda told: told["networks"] is None)
+
+
+def test_what_a_page_loads_comes_compressed_to_those_who_take_it_so(client):
+    whole = client.get("/page.js", headers={"accept-encoding": "identity", "host": HOST})
+    small = client.get("/page.js", headers={"accept-encoding": "gzip, br", "host": HOST})
+    never = client.get("/page.js", headers={"accept-encoding": "gzip;q=0", "host": HOST})
+    assert small.headers["content-encoding"] == "gzip"
+    assert "content-encoding" not in whole.headers
+    assert "content-encoding" not in never.headers
+    assert whole.content == small.content == never.content  # the client has unpacked it
+    assert 3 * int(small.headers["content-length"]) < int(whole.headers["content-length"])
+    for told in (whole, small):
+        assert told.headers["vary"] == "Accept-Encoding"
+        assert told.headers["content-type"].startswith("text/javascript")
+        assert "default-src 'none'" in told.headers["content-security-policy"]
+
+
+@pytest.mark.parametrize("path", ["/", "/page.js", "/robot/model.urdf"])
+def test_another_name_of_this_host_gets_nothing(client, path):
+    assert client.get(path, headers={"host": "evil.example:8080"}).status_code == 421

@@ -1,5 +1,6 @@
 """One pill, one sentence: each situation says what is the matter and what clears it."""
 
+import msgspec
 import pytest
 
 from farhand.common.messages.intervention import Intervention
@@ -17,6 +18,11 @@ SLOWED = report(
     clearance=0.02,
     inflation=0.024,
 )
+WHY = msgspec.structs.replace(
+    SLOWED, limit=0.01, margin_parts={"floor": 0.01, "innovation": 0.019, "spread": 0.004, "lag": 0.005}
+)
+BEGINS = report(desired=(0.2, 0.0, 0.0), filtered=(0.05, 0.0, 0.0))
+TURNED = msgspec.structs.replace(SLOWED, filtered=(0.15, 0.0, 0.13))
 
 
 def situation(**more):
@@ -35,6 +41,8 @@ def situation(**more):
         (situation(report=report(stop_reason="anna holds control; waiting")), "taken", "anna"),
         (situation(), "ready", "Nobody drives"),
         (situation(driver="page 1"), "ready", "Hold a key"),
+        (situation(driver="page 1", watches=True, asks="page 2"), "ready", "Page 1 drives, you watch."),
+        (situation(driver="page 1", asks="page 2"), "ready", "Page 2 asks for control."),
         (situation(driver="page 1", stopping=True), "e-stop", "not confirmed"),
         (situation(driver="page 1", was_lost=3.2), "ready", "Connected again after 3.2 s. Nothing moves"),
         (situation(driver="page 1", holds=True), "run", "As asked"),
@@ -44,6 +52,13 @@ def situation(**more):
         (situation(driver="page 1", holds=True, report=report(mode="hold", stop_reason=NOT_ENGAGED)), "held", "Let go"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "margin 24"),
+        (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "limit 10, by the robot's guard"),
+        (situation(driver="page 1", holds=True, report=SLOWED, near=0.031), "slowed", "tool 31 mm from ball"),
+        (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "Slowed by ball"),
+        (situation(driver="page 1", holds=True, report=TURNED, near=0.05), "slowed", "Turned aside: tool 50 mm"),
+        (situation(driver="page 1", holds=True, report=BEGINS), "run", "On the way to what was asked: 0.05"),
+        (situation(driver="page 1", holds=True, report=WHY), "slowed", "limit 10, margin 24, of which network 9."),
+        (situation(state=state(mode="estop", reason="by o"), stopped_by="page 2"), "e-stop", "by o, on page 2."),
     ],
 )  # fmt: skip
 def test_the_first_reason_is_the_pill(now, pill, words):

@@ -36,6 +36,7 @@ def test_two_fresh_processes_give_the_same_bytes():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_process_that_compiles_anew_gives_the_same_bytes(tmp_path):
     """The cache changes nothing: also what a read-only install, or a new machine, computes."""
     runs = []

@@ -11,8 +11,8 @@ from farhand.common.messages.steering import Steering
 from farhand.operator_side.devices.device_node import DeviceNode
 from farhand.operator_side.devices.hand import Hand
 from farhand.operator_side.devices.sdl import SdlSource
-from farhand.operator_side.steering.gamepad import Gamepad, GamepadSettings
-from farhand.operator_side.steering.sender import SteeringSender
+from farhand.operator_side.steering.hand.gamepad import Gamepad, GamepadSettings
+from farhand.operator_side.steering.hand.sender import SteeringSender
 from farhand.testing import report, state, view
 from tests.operator_side.devices.virtual_joystick import VirtualJoystick
 

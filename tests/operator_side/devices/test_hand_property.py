@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from farhand.operator_side.devices.hand import FROZEN_NS, Hand, Obstacles
 from farhand.operator_side.devices.reading import Reading
-from farhand.operator_side.steering.gamepad import GamepadSettings
+from farhand.operator_side.steering.hand.gamepad import GamepadSettings
 
 MS = 1_000_000
 STICKS = ("lefty", "leftx", "rightx", "righty", "lefttrigger", "righttrigger")

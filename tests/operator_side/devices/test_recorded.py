@@ -12,10 +12,10 @@ from farhand.common.messages.steering import Steering
 from farhand.common.recording.reader import read_run
 from farhand.laboratory.simulation import simulate
 from farhand.operator_side.devices.playback_node import PlaybackNode
-from farhand.operator_side.steering.course import Asked, Course, read_course
-from farhand.operator_side.steering.playback import Playback
-from farhand.operator_side.steering.recorded import SETTLES_NS, Recorded, RecordedSettings
-from farhand.operator_side.steering.sender import SteeringSender
+from farhand.operator_side.steering.hand.sender import SteeringSender
+from farhand.operator_side.steering.recorded.course import Asked, Course, read_course
+from farhand.operator_side.steering.recorded.playback import Playback
+from farhand.operator_side.steering.recorded.recorded import SETTLES_NS, Recorded, RecordedSettings
 from farhand.runs.scenario import load_scenario, replace_settings
 from farhand.testing import ScriptedLink, report, state, view
 
@@ -95,7 +95,7 @@ def test_a_loop_that_is_a_little_early_or_late_asks_for_each_once():
 
 @pytest.fixture
 def device(monkeypatch):
-    monkeypatch.setattr("farhand.operator_side.steering.recorded.read_course", lambda _path: COURSE)
+    monkeypatch.setattr("farhand.operator_side.steering.recorded.recorded.read_course", lambda _path: COURSE)
     return Recorded(RecordedSettings(run="x"))
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from farhand.operator_side.devices.cap_report import at_rest, take_report
 from farhand.operator_side.devices.hand import Hand, Obstacles
 from farhand.operator_side.devices.hid import SpacemouseSource
-from farhand.operator_side.steering.spacemouse import SpacemouseSettings
+from farhand.operator_side.steering.hand.spacemouse import SpacemouseSettings
 
 S = 1_000_000_000
 FREE = Obstacles()

@@ -22,6 +22,7 @@ from farhand.robot_side.kernel.distance import (
     distance_floor,
     nearest_row,
 )
+from tests.examples import tries
 
 KINDS = (SPHERE, CAPSULE, BOX, PLANE, MESH)
 _places = st.tuples(*[st.floats(-0.6, 0.6)] * 3)
@@ -145,7 +146,7 @@ def test_the_normal_says_how_the_distance_changes(kind, seed, a, b, radius):
     assert turned <= d + np.dot(n, t * 1e-5 * turn) + 1e-8
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@tries(70, of=200, derandomize=True)
 @given(ends=st.tuples(*[_places] * 4), radius=_sizes, other=_sizes)
 def test_two_capsules_against_brute_force(ends, radius, other):
     a, b, c, e = (np.array(x) for x in ends)

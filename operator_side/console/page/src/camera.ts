@@ -1,5 +1,5 @@
 // The camera's pane: the newest picture, its age by the page's own count, and what is to be done where it froze.
-import { element, put } from "./dom.ts";
+import { element, emphasise } from "./dom.ts";
 import { clock, type Picture } from "./told.ts";
 
 const DIM_S = 0.5;
@@ -28,7 +28,7 @@ export function lookOf(seen: Seen | null): { look: Look; said: string } {
     return { look: "frozen", said: `camera frozen, ${sure.toFixed(0)} s` };
   const age = seen.most ?? sure;
   const said = `${seen.most === null ? "≥" : "≤"} ${age < 1 ? `${(age * 1000).toFixed(0)} ms` : `${age.toFixed(1)} s`} old`;
-  return { look: age > DIM_S ? "dim" : "fresh", said: `camera · ${said}` };
+  return { look: age > DIM_S ? "dim" : "fresh", said: `camera ${said}` };
 }
 
 export class Camera {
@@ -76,7 +76,7 @@ export class Camera {
     const pane = element("camera");
     const shown = this.without ? "none" : look;
     if (pane.dataset.look !== shown) pane.dataset.look = shown;
-    put("camera-age", this.without ? `${said} · driving without it` : said);
+    emphasise("camera-age", this.without ? `${said} · driving without it` : said);
     element("camera-close").hidden = shown !== "frozen" || locked;
   }
 }

@@ -6,6 +6,8 @@ export interface Line {
   values: (number | null)[];
   colour: string;
   filled: boolean;
+  /** Whether its newest value is left out beside it. */
+  silent?: boolean;
 }
 
 const ROOM = 40; // px for the newest number
@@ -24,9 +26,9 @@ export function chart(canvas: HTMLCanvasElement, xs: number[], most: number, lin
   pen.strokeStyle = css("--line");
   pen.strokeRect(0, height - 1, width - ROOM, 0);
   const written: { text: string; colour: string; at: number }[] = [];
-  for (const { values, colour, filled } of lines) {
+  for (const { values, colour, filled, silent } of lines) {
     pen.strokeStyle = pen.fillStyle = css(colour);
-    pen.lineWidth = 2.5;
+    pen.lineWidth = silent ? 1.5 : 2.5;
     trace(pen, xs, values, width - ROOM, y);
     if (filled && values.length > 1) {
       pen.lineTo((xs.at(-1) ?? 0) * (width - ROOM), height);
@@ -36,7 +38,7 @@ export function chart(canvas: HTMLCanvasElement, xs: number[], most: number, lin
       pen.globalAlpha = 1;
     }
     const last = values.at(-1);
-    if (last !== undefined && last !== null) written.push({ text: last.toFixed(0), colour: css(colour), at: y(last) + 4 });
+    if (!silent && last !== undefined && last !== null) written.push({ text: last.toFixed(0), colour: css(colour), at: y(last) + 4 });
   }
   pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
   written.sort((one, other) => one.at - other.at);

@@ -12,6 +12,24 @@ export function put(id: string, text: string): void {
   if (at.textContent !== text) at.textContent = text;
 }
 
+/** Numbers with a unit, and those that a sentence says without one. */
+const MEASURED = /((?:[≤≥] )?\b\d+(?:\.\d+)? (?:mm|ms|s|m\/s)(?![\w/])|(?<=(?:limit|margin|network) )\d+)/;
+
+/** The same with what is measured in it made bold. */
+export function emphasise(id: string, text: string): void {
+  const at = element(id);
+  if (at.textContent === text) return;
+  const parts = text.split(MEASURED);
+  at.replaceChildren(
+    ...parts.map((part, k) => {
+      if (k % 2 === 0) return part;
+      const bold = document.createElement("b");
+      bold.textContent = part;
+      return bold;
+    }),
+  );
+}
+
 /** A button's two lines. */
 export function label(id: string, bold: string, small: string): void {
   const [b, s] = element(id).children;

@@ -1,8 +1,10 @@
 // Words that stay beside things in the scene, and make way for each other.
 import type { Vector3 } from "three";
+import { element } from "./dom.ts";
 import type { Word } from "./world.ts";
 
 const TOP = 44; // px: what is chosen lies there
+const UPRIGHT = matchMedia("(max-width: 760px)");
 
 type Project = (at: Vector3) => [number, number] | null;
 
@@ -12,7 +14,8 @@ export class Labels {
   constructor(private readonly parent: HTMLElement) {}
 
   show(words: Word[], project: Project): void {
-    const { clientWidth: width, clientHeight: height } = this.parent.parentElement ?? this.parent;
+    const { clientWidth: width, clientHeight } = this.parent.parentElement ?? this.parent;
+    const height = UPRIGHT.matches ? element("pads").offsetTop : clientHeight; // sticks fill the width of a phone
     const taken: [number, number, number, number][] = [];
     const shown = new Set<string>();
     for (const word of words) {

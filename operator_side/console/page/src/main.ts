@@ -163,13 +163,21 @@ function show(): void {
   if (!told) return;
   shownAt = clock();
   panel.say(reasons());
-  panel.show(told);
+  panel.show(told, world.nearest, isSilent() ? (clock() - toldAt) / 1000 : null);
   controls.light(isHeard(), received && isHeard());
   networks.show(told.networks);
-  element("recording").hidden = !told.recording;
+  showRecording(told.recording);
   showStop(told);
   showSeat(told);
   showStale(told);
+}
+
+/** Lit only by a recorder that writes; one that does no more is said. */
+function showRecording(writes: boolean | null | undefined): void {
+  const shown = isSilent() ? null : (writes ?? null);
+  element("recording").hidden = shown === null;
+  element("recording").classList.toggle("on", shown === true);
+  put("recording", shown ? "● rec" : "○ not recorded");
 }
 
 function showStop(told: FrameTold): void {
@@ -199,7 +207,6 @@ function showSeat(told: FrameTold): void {
 function showStale(told: FrameTold): void {
   const why = isSilent() ? "no picture: the console is silent" : told.locked;
   element("view").classList.toggle("stale", why !== "");
-  if (isSilent()) element("read").classList.add("old");
   element("stale").hidden = !why;
   put("stale", why);
 }

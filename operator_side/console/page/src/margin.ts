@@ -3,6 +3,7 @@
 export interface MarginTold {
   inflation: number;
   sigma: number;
+  limit?: number | null;
   margin_parts?: Record<string, number>;
 }
 
@@ -21,6 +22,14 @@ export function marginParts(report: MarginTold): { total: number; parts: [string
   if (rest > 5e-4 && ("innovation" in told || "spread" in told)) parts.push(["network", rest]);
   else if (rest > 5e-4 && parts.length > 0) parts.push(["other", rest]);
   return { total, parts };
+}
+
+/** `keeps 34 = limit 10 + margin 24`, in mm. */
+export function keptText(report: MarginTold): string {
+  const margin = Math.round((report.inflation + report.sigma) * 1000);
+  if (report.limit == null) return `margin ${margin}`;
+  const limit = Math.round(report.limit * 1000);
+  return `keeps ${limit + margin} = limit ${limit} + margin ${margin}`;
 }
 
 /** `margin 24 = 10 least + 9 network + 5 lag`, in mm: whole ones that add up. */

@@ -32,7 +32,7 @@ export class NetworkMenu {
     const outage = element<HTMLButtonElement>("outage");
     outage.disabled = !told.changeable || told.outage;
     outage.classList.toggle("on", told.outage);
-    put("outage", told.outage ? "outage …" : `outage ${OUTAGE_S} s`);
+    put("outage", told.outage ? "outage now" : `outage ${OUTAGE_S} s`);
     box.title = told.refused || `up ${told.uplink}, down ${told.downlink}`;
     put("net-refused", told.refused);
   }

@@ -1,7 +1,7 @@
 // What is read: pill and sentence, numbers, half a minute of history.
 import { chart } from "./chart.ts";
-import { element, put } from "./dom.ts";
-import { marginText } from "./margin.ts";
+import { element, emphasise, put } from "./dom.ts";
+import { keptText, marginText } from "./margin.ts";
 import type { FrameTold, Reason } from "./told.ts";
 
 const HISTORY_MS = 30_000;
@@ -11,7 +11,7 @@ const SPOKEN_MS = 4000; // numbers change all the time: who listens hears a new 
 interface Past {
   at: number;
   clearance: number;
-  margin: number;
+  kept: number;
   /** null: none is known. */
   trip: number | null;
 }
@@ -28,7 +28,7 @@ export class Panel {
     const pill = element("pill");
     put("pill", first.pill);
     if (pill.dataset.pill !== first.pill) pill.dataset.pill = first.pill;
-    put("sentence", first.what);
+    emphasise("sentence", first.what);
     this.speak(first);
     const told = JSON.stringify(reasons);
     const list = element("reasons");
@@ -54,32 +54,42 @@ export class Panel {
     put("spoken", `${pill}. ${what}`);
   }
 
-  show(told: FrameTold): void {
+  /** `nearest` is the obstacle that the clearance is to, `silent` for how long the console has been (s); null: it is not. */
+  show(told: FrameTold, nearest: string, silent: number | null): void {
     const { state, report } = told;
-    const margin = report ? report.inflation + report.sigma : 0;
+    const limit = report?.limit ?? 0;
+    const kept = limit + (report ? report.inflation + report.sigma : 0);
     const clearance = state?.clearance ?? null;
     put("clearance", clearance === null ? "–" : (clearance * 1000).toFixed(0));
-    const old = told.locked !== "" && told.age !== null;
-    element("read").classList.toggle("old", told.locked !== "");
-    const of = report?.binding ? `mm to ${report.binding}` : "mm to the nearest";
-    put("clearance-of", old ? `mm, ${told.age?.toFixed(0)} s ago` : of);
-    put("margin", report && state ? marginText(report) : "margin –");
-    const bar = element("bar");
-    bar.classList.toggle("tight", clearance !== null && clearance < margin + 0.01);
-    const [fill, mark] = bar.children;
-    if (fill instanceof HTMLElement) fill.style.width = `${Math.max(0, Math.min(100, (100 * (clearance ?? 0)) / FULL))}%`;
-    if (mark instanceof HTMLElement) mark.style.left = `${Math.min(99, (100 * margin) / FULL)}%`;
+    const lost = told.locked !== "" || silent !== null;
+    const age = told.age === null ? null : told.age + (silent ?? 0);
+    element("read").classList.toggle("old", lost);
+    put("clearance-of", lost && age !== null ? `mm, ${age.toFixed(0)} s ago` : nearest ? `mm to ${nearest}` : "mm");
+    put("kept", report && state ? keptText(report) : "keeps –");
+    const parts = report && state ? marginText(report) : "";
+    put("margin", parts.includes("=") ? parts : "");
+    this.bar(clearance, limit, kept);
     put("speed", state ? Math.hypot(...state.velocity).toFixed(2) : "–");
     put("asked", report && state ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
-    this.link(told);
-    this.remember(told, margin);
+    this.link(told, lost);
+    this.remember(told, limit, kept, lost);
   }
 
-  private link(told: FrameTold): void {
+  /** How far it is, over what must be kept: the limit, and the margin beyond it. */
+  private bar(clearance: number | null, limit: number, kept: number): void {
+    const bar = element("bar");
+    const [margin, fill, mark] = bar.children;
+    const share = (metres: number) => `${Math.max(0, Math.min(100, (100 * metres) / FULL)).toFixed(1)}%`;
+    if (fill instanceof HTMLElement) fill.style.width = share(clearance ?? 0);
+    if (margin instanceof HTMLElement) margin.style.width = share(kept);
+    if (mark instanceof HTMLElement) mark.style.left = share(limit);
+  }
+
+  private link(told: FrameTold, lost: boolean): void {
     const { report } = told;
-    const lost = told.locked !== "" || told.age === null;
     const trip = report?.rtt_mean ?? null;
-    const word = lost ? "lost" : !report || trip === null ? "–" : trip > 0.15 || (report.loss ?? 0) > 0.05 ? "slow" : "good";
+    const word =
+      lost || told.age === null ? "lost" : !report || trip === null ? "–" : trip > 0.15 || (report.loss ?? 0) > 0.05 ? "slow" : "good";
     put("link", word);
     const name = `big word ${word}`;
     if (element("link").className !== name) element("link").className = name;
@@ -92,10 +102,10 @@ export class Panel {
     );
   }
 
-  private remember(told: FrameTold, margin: number): void {
+  private remember(told: FrameTold, limit: number, kept: number, lost: boolean): void {
     const now = performance.now();
-    if (told.state && told.report && !told.locked && now - (this.past.at(-1)?.at ?? 0) > 100) {
-      this.past.push({ at: now, clearance: told.state.clearance, margin, trip: told.report.rtt_mean });
+    if (told.state && told.report && !lost && now - (this.past.at(-1)?.at ?? 0) > 100) {
+      this.past.push({ at: now, clearance: told.state.clearance, kept, trip: told.report.rtt_mean });
       this.past = this.past.filter((each) => now - each.at < HISTORY_MS);
     }
     if (now - this.drawn < 200) return;
@@ -104,7 +114,8 @@ export class Panel {
     const clearances = this.past.map((p) => p.clearance * 1000);
     const most = Math.max(60, Math.min(300, Math.max(0, ...clearances)));
     chart(element<HTMLCanvasElement>("clearances"), ages, most, [
-      { values: this.past.map((p) => p.margin * 1000), colour: "--slow", filled: true },
+      { values: this.past.map((p) => p.kept * 1000), colour: "--slow", filled: true },
+      { values: this.past.map(() => limit * 1000), colour: "--stop", filled: false, silent: true },
       { values: clearances, colour: "--text", filled: false },
     ]);
     const trips = this.past.map((p) => (p.trip === null ? null : p.trip * 1000));

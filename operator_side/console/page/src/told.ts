@@ -36,6 +36,8 @@ export interface Report {
   rtt_std: number | null;
   loss: number | null;
   binding: string;
+  /** What is kept without any margin (m); null: not known. */
+  limit?: number | null;
   target_index: number;
   target_count: number;
 }

@@ -9,6 +9,7 @@ import { css, type View } from "./view.ts";
 import type { World } from "./world.ts";
 
 const UPRIGHT = matchMedia("(max-width: 760px)");
+const CHOICES = () => (UPRIGHT.matches ? 108 : 64); // px: what is chosen above, and the pane's name
 const ARROW = 0.7; // s: an arrow's length is the way of so long
 const LEAST = { x: [-0.35, 0.8], y: [-0.6, 0.6], z: [-0.08, 0.85] } as const; // m that are shown, and more where something is beyond
 const MOST = 1.6; // m
@@ -67,7 +68,7 @@ export class View2D implements View {
       pen.restore();
       pen.fillStyle = this.colour("dim");
       pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
-      pen.fillText(pane.name, pane.left + 12, pane.top + (pane.top > 0 ? 22 : 62));
+      pen.fillText(pane.name, pane.left + 12, pane.top + (pane.top > 0 ? 22 : CHOICES() - 2));
     }
     const side = this.panes[1];
     this.labels.show(world.words, (at) => (side ? at2(side, at) : null));
@@ -89,7 +90,7 @@ export class View2D implements View {
   private layOut(width: number, height: number, beside: boolean): Pane[] {
     const [w, h] = beside ? [width / 2, height] : [width, height / 2];
     const covered = UPRIGHT.matches && element("camera").dataset.look !== "none";
-    const top = (up: "y" | "z") => (covered && (beside || up === "y") ? 140 : 64); // px: what is chosen, and the pane's name
+    const top = (up: "y" | "z") => (covered && (beside || up === "y") ? 160 : CHOICES()); // px: what is chosen, and the pane's name
     const below = UPRIGHT.matches ? 156 : 130; // keys or sticks
     const room = (up: "y" | "z") => h - top(up) - (beside || up === "z" ? below : 8);
     const [x0 = 0, x1 = 1] = this.seen.x;
@@ -128,7 +129,10 @@ export class View2D implements View {
   private drawPane(pane: Pane): void {
     const { pen, world } = this;
     this.drawGrid(pane);
-    for (const { thing, keeps, binds } of world.dangers) this.drawThing(pane, thing, this.colour("slow"), binds ? 0.34 : 0.16, keeps);
+    for (const { thing, keeps, binds } of world.dangers) {
+      this.drawThing(pane, thing, this.colour("slow"), binds ? 0.3 : 0.14, keeps);
+      if (thing.shape.kind !== "plane") this.rim(this.colour("slow"), binds ? 1 : 0.5);
+    }
     for (const thing of world.things) this.drawThing(pane, thing, this.colour("thing"), thing.known ? 0.9 : 0.3, 0);
     this.drawLine(
       pane,
@@ -157,7 +161,9 @@ export class View2D implements View {
     if (world.ghostSeen > 0 && !world.ghost.isLoaded) this.ring(at2(pane, world.ghostAt), 9, this.colour("plan"));
     const target = world.targets[world.target];
     if (target) this.ring(at2(pane, target), Math.max(7, 0.03 * pane.scale), this.colour("go"));
-    this.drawLine(pane, world.path, this.colour("plan"), 4, 1);
+    this.drawLine(pane, world.path, this.colour("ground"), 8, 0.75);
+    this.drawLine(pane, world.path, this.colour("plan"), 3, 1);
+    this.drawSteps(pane, world.path);
     const [first] = world.path;
     const end = world.path.at(-1);
     if (first && end && first.distanceTo(end) > 0.004) this.ring(at2(pane, end), 7, this.colour("plan"));
@@ -281,6 +287,17 @@ export class View2D implements View {
     this.trace(points.map((each) => at2(pane, each)));
     pen.stroke();
     pen.globalAlpha = 1;
+  }
+
+  /** A dot for each step of the plan: where they are close together it goes slowly. */
+  private drawSteps(pane: Pane, points: Vector3[]): void {
+    this.pen.fillStyle = this.colour("plan");
+    for (const point of points.slice(0, -1)) {
+      const [x, y] = at2(pane, point);
+      this.pen.beginPath();
+      this.pen.arc(x, y, 4, 0, 7);
+      this.pen.fill();
+    }
   }
 
   private ring([x, y]: Point, radius: number, colour: string, width = 3): void {

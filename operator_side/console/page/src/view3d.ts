@@ -20,6 +20,7 @@ import {
   PerspectiveCamera,
   PlaneGeometry,
   Scene,
+  ShaderMaterial,
   SphereGeometry,
   TorusGeometry,
   TubeGeometry,
@@ -48,16 +49,16 @@ export class View3D implements View {
   private readonly targets = new Group();
   private readonly shells = new Group();
   private readonly path = flat(undefined);
-  private readonly stopRing = flat(new TorusGeometry(0.018, 0.004, 8, 24));
+  private readonly halo = flat(undefined, 0.75, false);
+  private readonly steps = new Group();
+  private readonly stopRing = flat(new TorusGeometry(0.022, 0.005, 8, 28));
   private readonly ghostTool = flat(new TorusGeometry(0.03, 0.003, 8, 24));
   private readonly trail = flat(new BufferGeometry(), 0.6);
-  private readonly sphere = new Mesh(
-    new SphereGeometry(1, 24, 16),
-    new MeshBasicMaterial({ transparent: true, opacity: 0.16, depthWrite: false }),
-  );
-  private readonly asked = new Arrow(0.003);
+  private readonly sphere = new Mesh(new SphereGeometry(1, 32, 20), rimmed(0.05, 0.55));
+  private readonly asked = new Arrow(0.0036);
   private readonly done = new Arrow(0.0065);
-  private readonly line = new Mesh(new CylinderGeometry(0.003, 0.003, 1, 8), new MeshBasicMaterial({ color: "#e8a317" }));
+  private readonly line = new Mesh(new CylinderGeometry(0.0035, 0.0035, 1, 8), new MeshBasicMaterial({ color: "#e8a317" }));
+  private readonly dot = new SphereGeometry(0.0068, 12, 8);
   private grid = new GridHelper(2.4, 24);
   private finest = 2;
   private scenes = -1;
@@ -74,21 +75,23 @@ export class View3D implements View {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(0.5, -1.5, 0.85); // from the robot's right: its reach is not behind itself
+    this.camera.position.set(0.52, -1.22, 0.72); // from the robot's right: its reach is not behind itself
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.target.set(0.26, 0, 0.28);
+    this.controls.target.set(0.27, 0, 0.25);
     this.controls.enablePan = false;
     this.controls.minDistance = 0.5;
     this.controls.maxDistance = 4;
     this.controls.maxPolarAngle = 1.5;
+    this.controls.update(); // so that the first drag begins from what is seen
     this.line.material.depthTest = false;
     this.line.renderOrder = 4;
     const sun = new DirectionalLight("#ffffff", 2.2);
     sun.position.set(1, -2, 3);
     this.scene.add(new AmbientLight("#ffffff", 0.5), new HemisphereLight("#ffffff", "#777788", 1.1), sun, this.grid);
     this.scene.add(world.confirmed.group, world.ghost.group, this.obstacles, this.targets, this.shells, this.sphere, this.line);
-    this.scene.add(this.trail, this.path, this.stopRing, this.ghostTool, this.asked.group, this.done.group);
+    this.scene.add(this.trail, this.halo, this.path, this.steps, this.stopRing, this.ghostTool, this.asked.group, this.done.group);
     // Never hidden: where it will go is what people drive by.
+    this.halo.renderOrder = 3;
     for (const each of [this.path, this.stopRing, this.ghostTool]) each.renderOrder = 4;
     this.theme();
   }
@@ -108,8 +111,9 @@ export class View3D implements View {
     this.scene.background = new Color(css("--ground"));
     for (const each of [this.path, this.stopRing, this.ghostTool]) each.material.color.set(css("--plan"));
     this.world.ghost.material.color.set(css("--plan"));
+    this.halo.material.color.set(css("--ground"));
     this.trail.material.color.set(css("--arm"));
-    this.sphere.material.color.set(css("--text"));
+    tint(this.sphere.material, css("--text"));
     this.fresh.set(css("--arm"));
     this.old.set(css("--line"));
     this.asked.colour(css("--dim"));
@@ -203,13 +207,33 @@ export class View3D implements View {
     this.drawnPath = told?.path;
     const points = this.world.path.filter((at, k, all) => k === 0 || at.distanceTo(all[k - 1] ?? at) > 1e-4);
     const end = points.at(-1);
-    const length = points.reduce((sum, at, k) => sum + (k ? at.distanceTo(points[k - 1] ?? at) : 0), 0);
-    const shown = end !== undefined && points.length > 1 && length > 0.004;
-    this.path.visible = this.stopRing.visible = shown;
+    const shown = end !== undefined && points.length > 1;
+    for (const each of [this.path, this.halo, this.steps, this.stopRing]) each.visible = shown;
     if (!shown) return;
-    this.path.geometry.dispose();
-    this.path.geometry = new TubeGeometry(new CatmullRomCurve3(points), Math.min(60, 3 * points.length), 0.005, 6);
+    const curve = new CatmullRomCurve3(points);
+    for (const [mesh, radius] of [
+      [this.path, 0.004],
+      [this.halo, 0.009],
+    ] as const) {
+      mesh.geometry.dispose();
+      mesh.geometry = new TubeGeometry(curve, Math.min(60, 3 * points.length), radius, 6);
+    }
     this.stopRing.position.copy(end);
+    this.placeSteps(points);
+  }
+
+  /** A dot for each step of the plan: where they are close together it goes slowly. */
+  private placeSteps(points: Vector3[]): void {
+    while (this.steps.children.length < points.length) {
+      const dot = new Mesh(this.dot, this.path.material);
+      dot.renderOrder = 4;
+      this.steps.add(dot);
+    }
+    this.steps.children.forEach((dot, k) => {
+      const at = points[k];
+      dot.visible = at !== undefined && k < points.length - 1;
+      if (at) dot.position.copy(at);
+    });
   }
 
   /** A ribbon that faces the eye: lines of WebGL are one pixel wide. */
@@ -254,15 +278,20 @@ export class View3D implements View {
     let shell = this.shells.children.find((each) => each.name === thing.id);
     if (shell?.userData.key !== key) {
       if (shell) this.shells.remove(drop(shell));
-      const material = new MeshBasicMaterial({ color: css("--slow"), transparent: true, depthWrite: false, side: DoubleSide });
+      const even = thing.shape.kind === "plane"; // it has no rim
+      const material = even
+        ? new MeshBasicMaterial({ color: css("--slow"), transparent: true, opacity: 0.04, depthWrite: false, side: DoubleSide })
+        : tint(rimmed(0, 0), css("--slow"));
       shell = new Mesh(shellGeometry(thing, Math.max(0.001, keeps)), material);
       shell.name = thing.id;
       shell.userData.key = key;
       this.shells.add(shell);
     }
     if (!(shell instanceof Mesh)) return;
-    const faint = thing.shape.kind === "plane" ? 0.03 : 0.1; // as large as all the rest, and always near
-    shell.material.opacity = binds ? 0.26 : faint;
+    if (shell.material instanceof ShaderMaterial) {
+      shell.material.uniforms.inner = { value: binds ? 0.16 : 0.05 };
+      shell.material.uniforms.rim = { value: binds ? 0.95 : 0.4 };
+    } else if (shell.material instanceof MeshBasicMaterial) shell.material.opacity = binds ? 0.2 : 0.03; // always near
     shell.position.copy(thing.position);
     shell.quaternion.copy(thing.orientation);
   }
@@ -303,9 +332,36 @@ class Arrow {
   }
 }
 
-function flat(geometry: BufferGeometry | undefined, opacity = 1): Mesh<BufferGeometry, MeshBasicMaterial> {
-  const seen = opacity < 1;
-  const mesh = new Mesh(geometry, new MeshBasicMaterial({ depthTest: seen, transparent: true, opacity, side: DoubleSide }));
+/** A skin that is seen at its rim, where it is looked at from the side: what it holds stays in sight. */
+function rimmed(inner: number, rim: number): ShaderMaterial {
+  return new ShaderMaterial({
+    uniforms: { colour: { value: new Color() }, inner: { value: inner }, rim: { value: rim } },
+    vertexShader: `varying vec3 across; varying vec3 towards;
+      void main() {
+        vec4 at = modelViewMatrix * vec4(position, 1.0);
+        across = normalMatrix * normal;
+        towards = -at.xyz;
+        gl_Position = projectionMatrix * at;
+      }`,
+    fragmentShader: `uniform vec3 colour; uniform float inner; uniform float rim; varying vec3 across; varying vec3 towards;
+      void main() {
+        float side = 1.0 - abs(dot(normalize(across), normalize(towards)));
+        gl_FragColor = vec4(colour, inner + (rim - inner) * smoothstep(0.45, 0.95, side));
+        #include <colorspace_fragment>
+      }`,
+    transparent: true,
+    depthWrite: false,
+  });
+}
+
+function tint(material: ShaderMaterial, colour: string): ShaderMaterial {
+  (material.uniforms.colour?.value as Color | undefined)?.set(colour);
+  return material;
+}
+
+/** Of one colour everywhere; `tested`: hidden by what is before it. */
+function flat(geometry: BufferGeometry | undefined, opacity = 1, tested = opacity < 1): Mesh<BufferGeometry, MeshBasicMaterial> {
+  const mesh = new Mesh(geometry, new MeshBasicMaterial({ depthTest: tested, transparent: true, opacity, side: DoubleSide }));
   mesh.visible = false;
   mesh.frustumCulled = false;
   return mesh;

@@ -12,6 +12,8 @@ const OLD = 1.0; // s
 const TRAIL_S = 12;
 const NEAR = 0.25; // m: the way of a second at full speed; what is farther than this beyond its margin cannot bind
 const MOST_SHELLS = 6;
+const SEEN = 0.004; // m: a shorter path is none
+const WORTH_A_WORD = 0.03; // m: a committed path that is shorter ends where it begins
 
 /** An obstacle that may bind: how much it keeps, and the line to it. */
 export interface Danger {
@@ -55,6 +57,8 @@ export class World {
   trail: { at: Vector3; ms: number }[] = [];
   dangers: Danger[] = [];
   words: Word[] = [];
+  /** The obstacle that is nearest to the tool; empty: none. */
+  nearest = "";
   /** Whether the robot has no drawing that could be loaded. */
   bare = false;
   private heardAt = 0;
@@ -120,15 +124,15 @@ export class World {
       const place = this.aim(new Vector3(...report.predicted), quaternion(report.predicted_orientation), orientation, dt);
       this.placeGhost(place);
       this.asked.set(...report.desired);
-      this.done.set(...report.filtered);
+      this.done.set(...(told.guard ? state.velocity : report.filtered)); // the guard's hand shows in what the robot did
     } else {
       this.asked.set(0, 0, 0);
       this.done.set(0, 0, 0);
     }
-    const old = report?.rtt_mean == null ? `heard ${since.toFixed(2)} s ago` : `≈ ${this.age.toFixed(2)} s old`;
+    const old = report?.rtt_mean == null ? `heard ${since.toFixed(2)} s ago` : `as it was ≈ ${this.age.toFixed(2)} s ago`;
     if (told.age !== null) this.say("confirmed", old, "confirmed", new Vector3(), 0, 30);
     if (this.bare && this.robot) this.say("robot", "no drawing of this robot: its tool alone", "confirmed", this.tool, 0, 26);
-    this.path = told.path.map((at) => new Vector3(...at));
+    this.findPath(told);
     this.leaveTrail(ms);
     this.moveThings(state.t_sample_ns);
     this.findTarget(told);
@@ -171,7 +175,7 @@ export class World {
       const apart = Math.max(0, ...this.ghost.values.map((q, k) => Math.abs(q - (this.confirmed.values[k] ?? q))));
       this.ghostSeen = apart > 0.002 ? Math.min(1, apart / 0.03) : 0; // where they are one, the confirmed one is seen
     }
-    if (this.offset.length() > 0.004 || this.turn.length() > 0.01) this.say("ghost", "predicted", "predicted", place.position, 0, -44);
+    if (this.offset.length() > 0.004 || this.turn.length() > 0.01) this.say("ghost", "predicted", "predicted", place.position, -70, -52);
   }
 
   readonly ghostAt = new Vector3();
@@ -191,6 +195,17 @@ export class World {
         return now + share * (value - now);
       }),
     );
+  }
+
+  /** The committed path, and a word at its end where that is somewhere else. */
+  private findPath(told: FrameTold): void {
+    const stopped = told.state?.mode === "stopped" || told.state?.mode === "estop"; // then it follows no plan
+    const path = this.live && !stopped ? told.path.map((at) => new Vector3(...at)) : [];
+    const length = path.reduce((sum, at, k) => sum + at.distanceTo(path[k - 1] ?? at), 0);
+    this.path = length > SEEN ? path : [];
+    const end = this.path.at(-1);
+    const from = this.path[0];
+    if (end && from && end.distanceTo(from) > WORTH_A_WORD) this.say("stop", "stops here", "predicted", end, 72, -12);
   }
 
   private leaveTrail(ms: number): void {
@@ -219,17 +234,21 @@ export class World {
   /** What may bind: how much it keeps, from the robot's sphere or, where its guard acts, from the part that it names. */
   private findDangers(told: FrameTold, live: boolean): void {
     this.dangers = [];
+    this.nearest = "";
     const { report, guard, state } = told;
     if (!report || !state || !this.tool || !live) return;
-    const margin = report.inflation + report.sigma;
+    const margin = (report.limit ?? 0) + report.inflation + report.sigma;
     const binding = guard?.obstacle || (told.holds ? report.binding : "");
     const found: (Danger & { gap: number })[] = [];
+    let least = Infinity;
     for (const thing of this.things) {
       const binds = thing.id === binding;
       const part = binds && guard ? this.confirmed.linkPoint(guard.part) : null;
       const from = part ?? this.tool;
       const keeps = binds && guard ? guard.limit : margin;
       const { at, distance } = thing.nearest(from);
+      const free = part ? thing.nearest(this.tool).distance : distance;
+      if (free < least) [least, this.nearest] = [free, thing.id];
       const start = from.clone().sub(at);
       start.setLength(part && guard ? Math.max(0, guard.distance) : Math.max(0, distance - this.radius)).add(at);
       found.push({ thing, keeps, binds, from: start, to: at, gap: distance - this.radius - keeps });
@@ -239,7 +258,7 @@ export class World {
     const first = this.dangers[0];
     if (!first?.binds) return;
     const measured = first.from.distanceTo(first.to);
-    this.say("distance", `${(measured * 1000).toFixed(0)} mm`, "distance", first.from.clone().lerp(first.to, 0.5), 0, 8);
+    this.say("distance", `${(measured * 1000).toFixed(0)} mm`, "distance", first.from.clone().lerp(first.to, 0.5), -34, 16);
     const place = first.thing.shape.kind === "plane" ? first.to : first.thing.position;
     this.say("keeps", `${first.thing.id} · keeps ${(first.keeps * 1000).toFixed(0)} mm`, "margin", place, 0, 60);
   }

@@ -12,7 +12,7 @@ from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.keys import report_key, steering_key
 from farhand.common.messages.steering import Steering
-from farhand.operator_side.steering.sender import SteeringSender
+from farhand.operator_side.steering.hand.sender import SteeringSender
 from farhand.operator_side.supervision import NOT_ENGAGED
 from farhand.testing import ScriptedLink, report
 from tests.farhand.bridges.ros2.test_inbound import GID, TYPES, key_of, twist

@@ -41,4 +41,4 @@ def test_a_table_with_a_fourth_law_is_drawn(tmp_path, monkeypatch):
 
 def test_the_tables_margins_are_those_of_the_registry(capsys):
     assert run(["table1", "--margins", "none,lunar"]) == 2
-    assert "'lunar': must be some of none, paper, adaptive" in capsys.readouterr().err
+    assert "'lunar': must be some of none, paper, watchful, adaptive" in capsys.readouterr().err

@@ -109,7 +109,7 @@ def test_bad_files_are_refused_in_one_line_that_names_the_key(tmp_path, text, li
     ("arguments", "line"),
     [
         (["table1", "--delays", "none,lunar"], "'lunar': must be some of none, gaussian"),
-        (["table1", "--margins", ","], "names none of none, paper, adaptive"),
+        (["table1", "--margins", ","], "names none of none, paper, watchful, adaptive"),
         (["table1", "--robot", "ur5"], "must be point or box"),
         (["table1", "--tasks", "0"], "--tasks"),
         (["table1", "--computing-time", "nan"], "must be from 0 to 10000 ms"),

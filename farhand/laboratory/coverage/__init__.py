@@ -1,0 +1,1 @@
+"""How often a margin was as large as what it is there for."""

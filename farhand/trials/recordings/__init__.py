@@ -1,0 +1,1 @@
+"""Whether recordings keep what they promise."""
