@@ -184,7 +184,14 @@ class RobotNode:
             self.intake.take(packets, now_ns)
         self._note_silence(now_ns)
         self._observe(self._field, now_ns)
+        self._heed(now_ns)
         self._move(self._field, now_ns)
+
+    def _heed(self, now_ns: int) -> None:
+        """Stop where the robot itself says that it is stopped."""
+        why = self._robot.stopped_by()
+        if why:
+            self.watchdog.block(why, now_ns)
 
     def _catch_up(self, field: ObstacleField, now_ns: int, behind: int) -> None:
         for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):

@@ -125,6 +125,15 @@ class Watchdog:
         """Something inside the robot failed: stop, and stay stopped."""
         self._stop("stopped", f"{FAULT}{what}"[:512], now_ns)
 
+    def block(self, why: str, now_ns: int) -> None:
+        """The robot itself says that it cannot move: stopped, by what it says now; called for as long as it says so.
+
+        Only an acknowledgement that is built on a state from after the last call leads on.
+        """
+        if self.mode != "estop":
+            self._stop("stopped", why[:512], now_ns)
+        self._stopped_ns = now_ns
+
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
         lease, free = self.lease, self.lease.holder == 0
