@@ -19,6 +19,7 @@ NAMES = (
     "seat",
     "recording",
     "report",
+    "ros2",
 )
 
 

@@ -94,9 +94,9 @@ def parts(scenario: Scenario, periods: int) -> tuple[dict[str, list[float]], tup
     spent: dict[str, list[float]] = {name: [] for name in ("law", "guard", "guard 20", "period", "read")}
     for period in range(periods):
         v = np.array([0.0, 0.1, 0.0] if period // 500 % 2 == 0 else [0.0, -0.1, 0.0])
-        q, qd, before = robot._q.copy(), robot._qd.copy(), robot._commanded.copy()
+        q, qd, before = robot._q.copy(), robot._follower.qd.copy(), robot._follower.commanded.copy()
         joints, wanted = Joints(q, qd, before), control.R_base_wanted.copy()
-        timed(lambda: control.joint_velocity(q, before, robot._tool, v, DT, still), spent["law"])  # noqa: B023
+        timed(lambda: control.joint_velocity(q, before, robot._follower._tool, v, DT, still), spent["law"])  # noqa: B023
         for name, scene in (("guard", nothing), ("guard 20", around)):
             timed(lambda: guard.command(joints, v, still, wanted, scene), spent[name])  # noqa: B023
         timed(robot.sample, spent["read"])

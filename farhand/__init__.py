@@ -87,6 +87,8 @@ if TYPE_CHECKING:
     from farhand.runs.scenario import replace_setting as replace_setting
     from farhand.runs.scenario import replace_settings as replace_settings
     from farhand.runs.summary import RunSummary as RunSummary
+    from farhand.trials.leaderboard.method import METHODS as METHODS
+    from farhand.trials.leaderboard.method import Method as Method
 
 _HOME = {
     "FarhandError": "common.errors",
@@ -160,6 +162,8 @@ _HOME = {
     "load_scenario": "runs.scenario",
     "replace_setting": "runs.scenario",
     "RunSummary": "runs.summary",
+    "Method": "trials.leaderboard.method",
+    "METHODS": "trials.leaderboard.method",
     "CONTROLLERS": "operator_side.control.registry",
     "DEVICES": "operator_side.steering.registry",
     "MARGINS": "operator_side.margins.registry",

@@ -9,6 +9,7 @@ from typing import TextIO
 import typer
 
 from farhand.commands.arm import arm_app
+from farhand.commands.benchmark import benchmark_app
 from farhand.commands.certs import certs_app
 from farhand.commands.help_words import in_plain_words
 from farhand.commands.laboratory import register as register_experiments
@@ -16,9 +17,11 @@ from farhand.commands.margin import margin_app
 from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
 from farhand.commands.recordings import register as register_recordings
+from farhand.commands.ros2 import register as register_ros2
 from farhand.commands.runs import register as register_runs
 from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
+from farhand.commands.ur import ur_app
 from farhand.common.errors import FarhandError, InputError, RecordingWarning
 from farhand.common.process.signals import die_with_parent, interrupt_on_signals, say
 from farhand.common.process.terminal import spare_the_terminal
@@ -42,13 +45,16 @@ UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__
 register_runs(app)
 register_recordings(app)
 register_programs(app)
+register_ros2(app)
 register_experiments(app)
 app.add_typer(netem_app, name="netem")
 app.add_typer(trace_app, name="trace")
 app.add_typer(margin_app, name="margin")
 app.add_typer(trial_app, name="trial")
+app.add_typer(benchmark_app, name="benchmark")
 app.add_typer(certs_app, name="certs")
 app.add_typer(arm_app, name="arm")
+app.add_typer(ur_app, name="ur")
 
 
 def run_program() -> int:

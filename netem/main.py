@@ -164,7 +164,12 @@ class _Emulator:
         settings = self._settings
         folder = load_folder(settings.certificates, "netem") if settings.certificates else None
         operator, robot = (
-            Meeting(listen, connect, (*settings.tls, *(folder.settings(f"netem-{side}") if folder else ())))
+            Meeting(
+                listen,
+                connect,
+                (*settings.tls, *(folder.settings(f"netem-{side}") if folder else ())),
+                settings.router,
+            )
             for side, listen, connect in (
                 ("operator", settings.listen_operator, settings.connect_operator),
                 ("robot", settings.listen_robot, settings.connect_robot),

@@ -24,15 +24,18 @@ class Meeting:
         listen: endpoint, e.g. tcp/127.0.0.1:7447; empty: none.
         connect: endpoints to connect to, e.g. of a Zenoh router.
         extra: further (path, value) session settings, such as certificates.
+        router: what is connected to is a router that has peers, which it routes to clients only: be one.
     """
 
     listen: str = ""
     connect: tuple[str, ...] = ()
     extra: tuple[tuple[str, object], ...] = ()
+    router: bool = False
 
     def open(self) -> zenoh.Session:
         """A session of its own; raises EndpointError."""
-        return open_session(self.connect, [self.listen] if self.listen else (), extra=self.extra)
+        mode = "client" if self.router and self.connect and not self.listen else "peer"
+        return open_session(self.connect, [self.listen] if self.listen else (), mode=mode, extra=self.extra)
 
 
 class Proxy:

@@ -23,6 +23,7 @@ class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         listen_operator, listen_robot: endpoints that the two sides connect to; empty: none.
         connect_operator, connect_robot: endpoints to connect to.
+        router: the sides that are connected to and not listened for are routers, whose clients it is to be.
         uplink, downlink: SPECs.
         seed: of all draws.
         stats: JSON file for the statistics at the end.
@@ -42,6 +43,7 @@ class NetemSettings(msgspec.Struct, frozen=True, kw_only=True):
     listen_robot: str = "tcp/127.0.0.1:7448"
     connect_operator: tuple[str, ...] = ()
     connect_robot: tuple[str, ...] = ()
+    router: bool = False
     uplink: str = "none"
     downlink: str = "none"
     seed: int = 0

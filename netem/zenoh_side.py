@@ -18,6 +18,11 @@ from farhand.common.timing.clock import SystemClock
 from farhand.netem.envelope import MustArrive
 
 EVERYTHING = "**"
+ROS_GRAPH, ROS_SERVICE = "@ros2_lv/**", "::srv::dds_::"
+ROS_SERVICES = f"**/$*{ROS_SERVICE}$*/*"
+"""Requests of ROS go to complete queryables alone; a service that is not beyond the emulator answers as little."""
+ADVANCED = "**/@adv/**"
+"""Parts that begin with @ are never matched by `**`: the graph of ROS 2, and Zenoh's caches for who comes late."""
 INBOX_LIMIT = 100_000
 QUERY_TIMEOUT = 30.0
 _LOCAL_KINDS = frozenset({"report"})
@@ -123,8 +128,14 @@ class ZenohSide:
         self._declared: list[Any] = [
             session.info.declare_transport_events_listener(transport, history=True),
             session.declare_subscriber(EVERYTHING, self._sample, allowed_origin=_REMOTE),
+            session.declare_subscriber(ADVANCED, self._sample, allowed_origin=_REMOTE),
             session.declare_queryable(EVERYTHING, self._query, allowed_origin=_REMOTE),
-            session.liveliness().declare_subscriber(EVERYTHING, self._liveliness, history=True),
+            session.declare_queryable(ADVANCED, self._query, allowed_origin=_REMOTE),
+            session.declare_queryable(ROS_SERVICES, self._request, complete=True, allowed_origin=_REMOTE),
+            *(
+                session.liveliness().declare_subscriber(tokens, self._liveliness, history=True)
+                for tokens in (EVERYTHING, ROS_GRAPH, ADVANCED)
+            ),
         ]
 
     def announce(self, key: str, answer: Callable[[], bytes], about: str) -> None:
@@ -172,6 +183,10 @@ class ZenohSide:
         self._put(key, sample.payload.to_bytes(), Publication.of(sample))
 
     def _query(self, query: zenoh.Query) -> None:
+        if ROS_SERVICE not in str(query.key_expr):  # those come by the complete one as well
+            self._request(query)
+
+    def _request(self, query: zenoh.Query) -> None:
         payload = query.payload
         request = RelayedQuery(
             query, str(query.selector), payload is not None, query.encoding, query.attachment

@@ -49,6 +49,7 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
         guard_seconds: for how long it did something (s).
         guard_deeds: the same by what it did: slowed, turned, evading, braking (s).
         lateness: of the loop; None in virtual time.
+        began: when it first followed a motion command (s since the first tick); None: it never did.
     """
 
     min_clearance: float | None
@@ -67,6 +68,7 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
     guard_seconds: float = 0.0
     guard_deeds: dict[str, float] = msgspec.field(default_factory=dict)
     lateness: Lateness | None = None
+    began: float | None = None
 
 
 class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", tag="robot"):

@@ -131,6 +131,7 @@ class RobotNode:
             mode=watchdog.mode,
             reason=watchdog.reason,
             longest_silence=statistics.longest_silence,
+            began=self._began(),
             interruptions=self._interruptions_so_far(),
             nearest_obstacle=self._nearest_obstacle(),
             nearest_part=self._nearest_part[0],
@@ -158,6 +159,10 @@ class RobotNode:
         position, at_ns = nearest
         return nearest_obstacle(self._field.at(at_ns), position)[1]
 
+    def _began(self) -> float | None:
+        first_ns, start_ns = self.watchdog.first_run_ns, self._statistics.start_ns
+        return (first_ns - start_ns) * 1e-9 if first_ns is not None and start_ns is not None else None
+
     def _interruptions_so_far(self) -> list[tuple[float, SafetyMode, str]]:
         """Holds for want of commands, and stops."""
         start_ns = self._statistics.start_ns or 0
@@ -179,7 +184,14 @@ class RobotNode:
             self.intake.take(packets, now_ns)
         self._note_silence(now_ns)
         self._observe(self._field, now_ns)
+        self._heed(now_ns)
         self._move(self._field, now_ns)
+
+    def _heed(self, now_ns: int) -> None:
+        """Stop where the robot itself says that it is stopped."""
+        why = self._robot.stopped_by()
+        if why:
+            self.watchdog.block(why, now_ns)
 
     def _catch_up(self, field: ObstacleField, now_ns: int, behind: int) -> None:
         for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):

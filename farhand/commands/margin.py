@@ -96,38 +96,32 @@ def _print(rows: "list[CoverageRow]") -> None:
 
     from farhand.common.process.console import page, whole
 
-    table = Table(
-        title="predictions within the margin; answers within the round trip reckoned with",
-        title_justify="left",
-    )
+    table = Table(title="margins held against what became of each command", title_justify="left")
     for heading in ("network", "law"):
         table.add_column(heading)
-    for heading in (
-        "commands",
-        "within",
-        "error p95, mm",
-        "most",
-        "margin, mm",
-        "p95",
-        "answered within",
-        "reckoned, ms",
-        "took, ms",
-        "most",
-    ):
+    for heading in ("within", "error, mm", "margin, mm", "answered", "reckoned", "took, ms"):
         table.add_column(heading, justify="right")
     for row in rows:
         found = row.coverage
         table.add_row(
             row.network,
             row.law,
-            str(found.commands),
             _percent(found.within),
-            *(_thousandths(v) for v in (found.error_95, found.error_most, found.width_mean, found.width_95)),
+            _pair(found.error_95, found.error_most),
+            _pair(found.width_mean, found.width_95),
             _percent(found.answered_within),
-            *(_thousandths(v) for v in (found.reckoned_mean, found.answered_mean, found.answered_most)),
+            _thousandths(found.reckoned_mean),
+            _pair(found.answered_mean, found.answered_most),
         )
     console = page()
     console.print(whole(table, console))
+    console.print(
+        "within: predictions that were off by no more than the margin. error: 95 % of them, the most. "
+        "margin: mean, 95 %. answered: within the round trip that the law reckoned with, in ms beside it. "
+        "took: mean, the most.",
+        style="dim",
+        highlight=False,
+    )
 
 
 def _percent(share: float | None) -> str:
@@ -136,3 +130,7 @@ def _percent(share: float | None) -> str:
 
 def _thousandths(value: float | None) -> str:
     return "-" if value is None else f"{1000 * value:.0f}"
+
+
+def _pair(one: float | None, other: float | None) -> str:
+    return "-" if one is None else f"{_thousandths(one)}/{_thousandths(other)}"

@@ -47,6 +47,13 @@ def netem(
         list[str] | None,
         typer.Option(help="Endpoint on the robot's side to connect to, such as a Zenoh router's."),
     ] = None,
+    router: Annotated[
+        bool,
+        typer.Option(
+            "--router",
+            help="Be a client of what is connected to: a router whose neighbours are peers, as in ROS 2.",
+        ),
+    ] = False,
     stats: Annotated[str, typer.Option(help="Write the statistics to this JSON file at the end.")] = "",
     log: Annotated[str, typer.Option(help="Write the fate of every message to this CSV file.")] = "",
     timeline: Annotated[str, typer.Option(help="TOML file of changes at given times.")] = "",
@@ -100,6 +107,7 @@ def netem(
         listen_robot=listen_robot,
         connect_operator=tuple(connect_operator or ()),
         connect_robot=tuple(connect_robot or ()),
+        router=router,
         uplink=uplink or network,
         downlink=downlink or network,
         seed=seed,

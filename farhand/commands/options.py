@@ -154,6 +154,22 @@ def chosen_scenario(
     return at_the_rate_of_its_device(replace_settings(load_scenario(name), replaced))
 
 
+def on_a_real_arm(scenario: "Scenario", host: str, model: str = "") -> "Scenario":
+    """The scenario with the real UR arm behind `host` in place of its own; raises InputError where that is no UR."""
+    from farhand.runs.scenario import replace_settings
+
+    known = model or scenario.robot.known_model
+    if scenario.robot.urdf is not None and not model:
+        return replace_settings(scenario, {"robot.kind": "ur", "robot.host": host})
+    if not known.startswith("ur"):
+        if model:
+            raise InputError(f"--model {model!r}: is no UR arm; there are ur3, ur5, ur10")
+        raise InputError(
+            f"--host {host}: scenario {scenario.name} has no UR arm: say robot.model, such as ur5"
+        )
+    return replace_settings(scenario, {"robot.kind": "ur", "robot.model": known, "robot.host": host})
+
+
 def at_the_rate_of_its_device(scenario: "Scenario") -> "Scenario":
     """The scenario, decided as often as what steers it asks for, where it says no rate itself; raises InputError."""
     from farhand.runs.scenario import replace_setting

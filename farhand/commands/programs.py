@@ -22,6 +22,7 @@ from farhand.commands.options import (
     SteerOption,
     TlsOption,
     chosen_scenario,
+    on_a_real_arm,
 )
 
 if TYPE_CHECKING:
@@ -112,6 +113,12 @@ def robot(
     connect: ConnectOption = None,
     listen: ListenOption = None,
     name: Annotated[str, typer.Option("--robot", help="Name of the robot, part of its keys.")] = "ur5",
+    host: Annotated[
+        str,
+        typer.Option(
+            help="Controller of a real UR arm: drive that, in place of the scenario's UR (docs/ur.md)."
+        ),
+    ] = "",
     guard: GuardOption = None,
     settings: SetOption = None,
     result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
@@ -125,6 +132,8 @@ def robot(
     from farhand.programs.robot import RobotOptions, robot_program
 
     chosen = chosen_scenario(scenario, settings, guard=guard)
+    if host:
+        chosen = on_a_real_arm(chosen, host)
     check_writable(result, "--result")
     options = RobotOptions(robot=name, result=result, realtime=realtime)
     raise typer.Exit(robot_program(chosen, _access(7448, connect, listen, tls, insecure, router), options))

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from farhand.commands.options import JsonOption
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import local_timestamp
 
@@ -14,6 +15,44 @@ trial_app = typer.Typer(help="Long trials: what the documents' figures rest on."
 @trial_app.callback()
 def trial() -> None:
     """Long trials: what the documents' figures rest on."""
+
+
+@trial_app.command()
+def ur(
+    address: Annotated[
+        str, typer.Option("--address", help="Of loopback, where the emulator listens.")
+    ] = "127.0.0.9",
+    rate: Annotated[
+        float, typer.Option("--rate", min=50, max=500, help="Of the emulated controller, Hz.")
+    ] = 500.0,
+    faults: Annotated[
+        str,
+        typer.Option(
+            "--faults", help="Only those with one of these words in their names, such as kill,cable."
+        ),
+    ] = "",
+    drive: Annotated[
+        bool, typer.Option("--drive", help="No faults: the demo's task, beside the simulated arm.")
+    ] = False,
+    networks: Annotated[
+        str, typer.Option("--networks", help="With --drive: these, with blanks between them.")
+    ] = "",
+    as_json: JsonOption = False,
+) -> None:
+    """Everything that breaks around a UR arm, in the emulator: how long does it move on, and does it wait?
+
+    Exit code 0: the arm stood within 0.2 s each time, and moved again only after an acknowledgement. 1: it did not.
+    """
+    from farhand.trials.ur.faults import run_ur_trial
+    from farhand.ur_emulator.main import check_loopback
+
+    check_loopback(address)
+    if drive:
+        from farhand.trials.ur.drives import run_drives
+
+        raise typer.Exit(run_drives(address, rate, tuple(networks.split()), as_json))
+    words = tuple(word.strip() for word in faults.split(",") if word.strip())
+    raise typer.Exit(run_ur_trial(address, rate, words, as_json))
 
 
 @trial_app.command()

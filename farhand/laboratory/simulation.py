@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Protocol, TypedDict
 
 import msgspec
 
+from farhand.common.errors import InputError
 from farhand.common.link.link import MemoryLink, Packet
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.fates import Fate
@@ -38,7 +39,7 @@ from farhand.programs.wiring import (
     versions,
 )
 from farhand.robot_side.robot_node import RobotNode
-from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.robots.registry import ROBOTS, make_robot
 from farhand.robot_side.robots.robot import Robot
 from farhand.runs.results import RunResults
 from farhand.runs.run import COMPUTING_TIME, TIME_LIMIT, Run
@@ -237,6 +238,10 @@ class _World:
     def _make_robot(self, link: MemoryLink, robot: Robot | None, closing: ExitStack) -> RobotNode:
         scenario = self._run.scenario
         if robot is None:
+            if ROBOTS.get(scenario.robot.kind, "robot.kind").is_real:
+                raise InputError(
+                    f"robot.kind {scenario.robot.kind!r}: virtual time cannot drive a real robot; simulate kind 'arm'"
+                )
             robot = make_robot(scenario)
             closing.callback(_close, robot)  # a world of PyBullet is 30 MB that stay otherwise
         return make_robot_node(

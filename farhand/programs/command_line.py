@@ -67,6 +67,7 @@ class NetemWords(Secured):
     listen_robot: str = ""
     connect_operator: tuple[str, ...] = ()
     connect_robot: tuple[str, ...] = ()
+    router: bool = False
     network: str = ""
     uplink: str = ""
     downlink: str = ""

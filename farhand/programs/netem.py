@@ -32,6 +32,8 @@ def netem_program(
         ConservationError: at the end, a message is not accounted for.
     """
     ends = [*settings.connect_operator, *settings.connect_robot]
+    if settings.router and not ends:
+        raise InputError("--router: names no router; say it with --connect-operator or --connect-robot")
     listened = [endpoint for endpoint in (settings.listen_operator, settings.listen_robot) if endpoint]
     access = Access(connect=tuple(ends), listen=tuple(listened), tls=settings.certificates, insecure=insecure)
     secure(access, lambda line: say("netem", line), "netem")

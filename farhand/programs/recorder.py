@@ -14,12 +14,14 @@ from farhand.common.messages.keys import check_robot_name
 from farhand.common.process.outputs import check_writable, make_folder
 from farhand.common.process.security import local_only
 from farhand.common.process.signals import say, stop_event_on_signals
+from farhand.common.recording.batch import TickBatch
 from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import SystemClock, local_timestamp, to_ns
 from farhand.foxglove.view import views_of
 from farhand.netem.control import control_endpoint
 from farhand.programs.camera_tap import CameraTap
 from farhand.programs.followed_run import FollowedRun
+from farhand.programs.silence import Silence
 from farhand.programs.tick_sources import Sources, opened
 
 FRAMES_HZ, FRAMES_BYTES = 5.0, 40e3
@@ -27,8 +29,6 @@ FRAMES_HZ, FRAMES_BYTES = 5.0, 40e3
 ASK_EVERY, REST_EVERY = 0.2, 0.05
 REST_NS = to_ns(1.0)
 """How long, once it is told to end, it goes on for what an operator's program that ends as well still has to say."""
-GONE_AFTER_NS = to_ns(3.0)
-SAY_AFTER_NS = to_ns(5.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +52,10 @@ class RecorderOptions:
 
 
 def recorder_program(options: RecorderOptions) -> int:
-    """Record until the operator's program ends, or this one is told to; returns 0 where nothing is missing, else 1."""
+    """Record until the operator's program ends, or this one is told to; returns 0 where nothing is missing, else 1.
+
+    An operator's program that does not answer for a while is waited for: what it kept meanwhile is fetched then.
+    """
     robot = check_robot_name(options.robot)
     out = options.out or _new_file(robot)
     check_writable(out, "--out")
@@ -66,8 +69,8 @@ def recorder_program(options: RecorderOptions) -> int:
         say("record", f"waits for the operator of robot {robot!r} at {connect}; Ctrl-C ends it")
         rate, most = (FRAMES_HZ, FRAMES_BYTES) if options.frames is None else (options.frames, math.inf)
         camera = CameraTap(operator, robot, clock, rate, most=most)
-        _record(recording, Sources(operator, netem, robot), camera, clock, stop_event)
-    return _conclude(recording, out, told=stop_event.is_set())
+        why = follow(recording, Sources(operator, netem, robot), camera, clock, stop_event)
+    return _conclude(recording, out, why)
 
 
 def _new_file(robot: str) -> Path:
@@ -76,56 +79,78 @@ def _new_file(robot: str) -> Path:
     return folder / f"{local_timestamp()}-{robot}.mcap"
 
 
-def _record(
+def follow(
     recording: FollowedRun,
     sources: Sources,
     camera: CameraTap,
     clock: SystemClock,
     stop_event: threading.Event,
-) -> None:
-    heard_ns = clock.now_ns()
+) -> str:
+    """Fetch and write until the operator's program ends, is gone, or `stop_event` is set.
+
+    Returns why what it did last may be missing; empty: nothing is.
+    """
+    silence = Silence(clock.now_ns())
     told_ns: int | None = None
-    said, pause = False, threading.Event()
-    while not recording.done:
+    pause = threading.Event()
+    while True:
         batch = sources.ticks(recording.next, recording.written)
         now_ns = clock.now_ns()
         if told_ns is None and stop_event.is_set():
             told_ns = now_ns
         if batch is not None:
-            if recording.file is None:
-                say("record", f"records run {batch.info.scenario.get('name', '')!r}")
-            heard_ns = now_ns
-            recording.take(batch)
-            recording.take_frames(camera.frames())
-            recording.take_all_fates(sources)
+            _say(silence.broken(now_ns))
+            _take(recording, batch, sources, camera)
+            if recording.done:
+                return (
+                    ""
+                    if recording.whole
+                    else "the operator's program is another one now, with a run of its own"
+                )
             if batch.more:
                 continue
-        elif recording.file is not None and now_ns - heard_ns > GONE_AFTER_NS:
-            return
-        elif recording.file is None and not said and now_ns - heard_ns > SAY_AFTER_NS:
-            said = True
-            say("record", "nobody answers for 5 s; still trying (`farhand operator --report ENDPOINT` does)")
-        if told_ns is not None and (batch is None or now_ns - told_ns > REST_NS):
-            return
-        if not recording.done:
-            (stop_event if told_ns is None else pause).wait(ASK_EVERY if told_ns is None else REST_EVERY)
+        elif recording.file is None:
+            _say(silence.before_the_first(now_ns))
+        else:
+            _say(silence.goes_on(now_ns))
+            if silence.is_for_good(now_ns, connected=sources.connected()):
+                return silence.words(now_ns)
+        if told_ns is not None and batch is None:
+            return "the operator's program does not answer any more" if recording.file is not None else ""
+        if told_ns is not None and now_ns - told_ns > REST_NS:
+            return ""
+        (stop_event if told_ns is None else pause).wait(ASK_EVERY if told_ns is None else REST_EVERY)
 
 
-def _conclude(recording: FollowedRun, out: Path, *, told: bool) -> int:
+def _take(recording: FollowedRun, batch: TickBatch, sources: Sources, camera: CameraTap) -> None:
+    if recording.file is None:
+        say("record", f"records run {batch.info.scenario.get('name', '')!r}")
+    recording.take(batch)
+    recording.take_frames(camera.frames())
+    recording.take_all_fates(sources)
+
+
+def _say(line: str) -> None:
+    if line:
+        say("record", line)
+
+
+def _conclude(recording: FollowedRun, out: Path, why: str) -> int:
+    """Say what is there and, last, what is not: others quote the last line."""
     file = recording.file
     if file is None:
         say("record", "nothing was recorded: no operator's program answered")
         return 1
-    if file.trouble:
-        say("record", f"{out}: {file.missing} ticks are missing: {file.trouble}")
-    if not recording.whole and not told:
-        say("record", "the operator's program is gone without a word; all that it had said is there")
-    if recording.missing_fates:
-        say("record", f"of {recording.missing_fates} messages the emulator knows no more what became of them")
     messages = (
         f", what became of {recording.next_fate - recording.missing_fates} messages"
         if recording.next_fate
         else ""
     )
     say("record", f"{recording.next - recording.first} ticks{messages} in {out}")
-    return 0 if not file.missing and (recording.whole or told) else 1
+    if recording.missing_fates:
+        say("record", f"of {recording.missing_fates} messages the emulator knows no more what became of them")
+    if why:
+        say("record", f"{why}: what was done after tick {recording.next - 1}, if anything was, is not there")
+    if file.trouble:
+        say("record", f"{out}: {file.missing} ticks are missing: {file.trouble}")
+    return 1 if file.missing or why else 0

@@ -20,7 +20,7 @@ from farhand.robot_side.main import run_robot
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.robot import Robot
-from farhand.runs.scenario import Scenario
+from farhand.runs.scenario import Scenario, replace_setting
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +61,10 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)
         robot = make_robot(scenario)
         closing.callback(_close, robot)
+        for line in robot.notes:
+            teller.say(line)
+        if robot.rate_hz is not None:
+            scenario = replace_setting(scenario, "robot.rate_hz", robot.rate_hz)
         teller.say(f"{name!r}, a {scenario.robot.kind}, at {access.where}; Ctrl-C ends it")
         node = RobotNode(scenario, robot, tell_systemd(link, stop_event), name, random_session())
         result = run_robot(node, clock, stop_event, realtime=options.realtime, say=teller.say)

@@ -46,6 +46,11 @@ class Sources:
         """
         return _ask(self._operator, self._key, TicksWanted(since=since, written=written), TickBatch)
 
+    def connected(self) -> bool:
+        """Whether the operator's program is connected: it may be, and be too slow to answer."""
+        info = self._operator.info
+        return bool(info.peers_zid() or info.routers_zid())
+
     def fates(self, since: int) -> FateBatch | None:
         """The same of what became of messages."""
         if self._netem is None:

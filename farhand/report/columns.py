@@ -25,6 +25,11 @@ class Columns:
             append(UNKNOWN if value is None else value)
         self.rows += 1
 
+    def shift(self, name: str, by: float) -> None:
+        """Add a number to all of a column."""
+        shifted = self[name] + by
+        self._columns[name][:] = array("d", shifted.tobytes())
+
     def __getitem__(self, name: str) -> Array:
         """(rows,) a column; unknown values are NaN."""
         return np.frombuffer(self._columns[name], dtype=float)

@@ -28,6 +28,12 @@ class Evidence:
     robot: RobotCounts | None = None
     lacks: list[str] = field(default_factory=list)
 
+    @property
+    def whole(self) -> bool:
+        """Whether every tick of the run is in the recording, as far as anybody knows."""
+        summary = self.summary
+        return self.story.whole and (summary is None or summary.ticks in (0, self.story.ticks.rows))
+
 
 def read_evidence(run: Path) -> Evidence:
     """A run by its folder or its recording alone; raises InputError where nothing can be read."""
@@ -61,6 +67,9 @@ def _read_summary(found: Evidence, folder: Path) -> None:
                 f"there is no {SUMMARY}: whether the run was safe by the robot's own count is unknown"
             )
         else:
+            if not _is_of(summary, found.story):
+                found.lacks.append(f"{SUMMARY} is of another run than the recording: it was left out")
+                return
             _compare(found, summary)
     if found.robot is None:
         try:
@@ -69,16 +78,20 @@ def _read_summary(found: Evidence, folder: Path) -> None:
             found.lacks.append(str(error).removeprefix(f"{folder}/"))
 
 
+def _is_of(summary: RunSummary, story: Story) -> bool:
+    return (summary.scenario, summary.seed) == (story.info.scenario.get("name"), story.info.seed)
+
+
 def _compare(found: Evidence, summary: RunSummary) -> None:
-    """Use the summary where it is one of this recording, and say what it counts more."""
+    """Use the summary, and say what it counts more."""
     story = found.story
-    if (summary.scenario, summary.seed) != (story.info.scenario.get("name"), story.info.seed):
-        found.lacks.append(f"{SUMMARY} is of another run than the recording: it was left out")
-        return
     found.summary, found.robot = summary, summary.counts.robot
     if summary.ticks != story.ticks.rows and summary.ticks:
         found.lacks.append(
-            f"the figures are those of the {story.ticks.rows} ticks in the recording; the run had {summary.ticks}"
+            f"the recording has {story.ticks.rows} ticks, the run had {summary.ticks}: figures are of what is recorded "
+            "where no result is named as their source"
         )
+    if summary.counts.operator is None:
+        found.lacks.append("the operator's program left no result: task and duration are as last recorded")
     if summary.counts.robot is None:
         found.lacks.append("the robot's program left no result: of its loop nothing is known")

@@ -5,12 +5,13 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.common.timing.clock import utc_words
+from farhand.report import sources
 from farhand.report.evidence import Evidence
 from farhand.report.margin import additive, coverage, width_of
 from farhand.report.settings import changed
 from farhand.report.story import Story
 
-SCHEMA = "farhand-report-1"
+SCHEMA = "farhand-report-2"
 """Fields may be added; what one means, or that it goes, raises the number."""
 
 
@@ -34,7 +35,7 @@ class Way(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Happened(msgspec.Struct, frozen=True, kw_only=True):
-    """Something that happened: kind, from and to (s since the first tick), words, and facts as text."""
+    """Something that happened: kind, from and to (s since `zero`), words, and facts as text."""
 
     kind: str
     begin: float
@@ -50,10 +51,16 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
         lacks: what is missing, in words; the figures are those of the rest.
         scenario, robot, operator, uplink, downlink, margin, predictor, controller, solver, seed: what was run.
         clock: `real` or `virtual`; began: UTC of the operator's host; None in virtual time.
-        duration: from the first tick to the last (s); ticks, states: in the recording.
+        zero: from what on times are counted, in words: the first motion command, where it is recorded.
+        duration: from the first motion command to the end (s); recorded: from the first tick in the recording to the
+            last (s); ticks, states: in the recording.
+        whole: every tick of the run is in the recording; else what is counted in it, `happened` and `events`, may lack
+            some.
+        sources: whose word a figure is, by its name, where it is not the recording's.
         safe, finished: by the robot's and the operator's own results; `safe` is false as well where the recording
             alone shows it.
-        targets_reached, targets: as last reported.
+        slow: that the machine did not keep up, in words.
+        targets_reached, targets: by the operator's result, else as last recorded.
         limit: distance to keep (m).
         clearance: the least of the tool's sphere that the robot measured, told by its result or else its states (m).
         arm_clearance: likewise of the whole arm.
@@ -64,7 +71,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
         speed_asked, speed_done: while driving (m/s).
         happened: times and seconds of each kind, as the operator's side was told of them.
         guard: times and seconds in which the guard acted, by the robot's own count; None: unknown, or it is off.
-        stops: that latched, as the robot counted or last told.
+        stops, refused: that latched, and commands, as the robot counted or last told.
+        filtered_ticks: ticks in which the filter intervened, by the operator's result.
         round_trip, age, state_age: (s); loss: share of the states between the first and the last that never arrived.
         network: at the emulator, by direction; empty where not recorded.
         period: of a tick (s); tick_late: how much later than a period after the one before (s); solve: (s).
@@ -89,12 +97,17 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     seed: int
     clock: str
     began: str | None
-    duration: float
+    zero: str
+    duration: float | None
+    recorded: float
+    whole: bool
+    sources: dict[str, str]
     ticks: int
     states: int
     safe: bool | None
     finished: bool | None
     why: str
+    slow: str
     targets_reached: int | None
     targets: int | None
     limit: float | None
@@ -109,6 +122,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     happened: dict[str, tuple[int, float]]
     guard: tuple[int, float] | None
     stops: int | None
+    refused: int | None
+    filtered_ticks: int | None
     round_trip: Spread | None
     age: Spread | None
     state_age: Spread | None
@@ -128,10 +143,10 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
 def figures_of(run: Evidence) -> Figures:
     """All figures of a run."""
     story, summary = run.story, run.summary
-    ticks, info, last = story.ticks, story.info, story.last
+    ticks, info = story.ticks, story.info
     driving, seen = ticks["driving"] > 0, ticks["seen"] > 0
-    limit, clearance, arm = limit_of(story), _clearance(run), _arm(run)
-    robot = run.robot
+    limit, targets = limit_of(story), sources.targets_of(run)
+    robot, operator = run.robot, sources.operator_of(run)
     late = robot.lateness if robot is not None else None
     return Figures(
         name=run.name,
@@ -148,17 +163,22 @@ def figures_of(run: Evidence) -> Figures:
         seed=info.seed,
         clock=info.clock,
         began=utc_words(info.epoch_ns + story.began_ns) if info.epoch_ns and ticks.rows else None,
-        duration=story.duration,
+        zero=story.zero,
+        duration=sources.duration_of(run),
+        recorded=story.length,
+        whole=run.whole,
+        sources=sources.sources_of(run),
         ticks=ticks.rows,
         states=story.states.rows,
-        safe=_safe(run, limit, clearance, arm),
-        finished=summary.finished if summary is not None else None,
+        safe=sources.safe_of(run, limit),
+        finished=summary.finished if summary is not None and summary.end_known else None,
         why=_why(run),
-        targets_reached=last.target_index if last is not None else None,
-        targets=last.target_count if last is not None and last.target_count else None,
+        slow=summary.slow if summary is not None else "",
+        targets_reached=targets[0] if targets is not None else None,
+        targets=targets[1] if targets is not None else None,
         limit=limit,
-        clearance=clearance,
-        arm_clearance=arm,
+        clearance=sources.clearance_of(run),
+        arm_clearance=sources.arm_of(run),
         margin_width=spread(width_of(story)[seen]),
         margin_parts={
             name: float(value[seen].mean()) for name, value in additive(story)[0].items() if seen.any()
@@ -169,7 +189,9 @@ def figures_of(run: Evidence) -> Figures:
         speed_done=spread(ticks["done"][driving]),
         happened=_happened(story),
         guard=(robot.guard_times, robot.guard_seconds) if robot is not None and robot.guarded else None,
-        stops=_stops(run),
+        stops=sources.stops_of(run),
+        refused=sources.refused_of(run),
+        filtered_ticks=operator.interventions if operator is not None else None,
         round_trip=spread(_changes(ticks["rtt"])),
         age=spread(ticks["age"][seen]),
         state_age=spread(ticks["state_age"]),
@@ -186,7 +208,7 @@ def figures_of(run: Evidence) -> Figures:
         period=period_of(story),
         tick_late=spread(lateness(story)[1]) if info.clock == "real" else None,
         solve=spread(ticks["solve"][driving]) if ticks["solve"].any() else None,
-        overruns=last.overruns if last is not None else None,
+        overruns=sources.overruns_of(run),
         robot_loop=(late.p50, late.p99, late.max) if late is not None else None,
         changed=changed(info.scenario),
         versions=dict(sorted(info.versions.items())),
@@ -252,34 +274,6 @@ def _network(run: Evidence, way: str) -> str | None:
     table = run.story.info.scenario.get("network")
     said = table.get(way) if isinstance(table, dict) else None
     return str(said) if said is not None else None
-
-
-def _clearance(run: Evidence) -> float | None:
-    """The robot's own, at its own rate; obstacles that are not there are no distance."""
-    told = run.robot.min_clearance if run.robot is not None else run.story.least
-    scene = run.story.scene
-    return None if told is None or (scene is not None and not scene.obstacles) else told
-
-
-def _arm(run: Evidence) -> float | None:
-    if run.robot is not None:
-        return run.robot.min_arm_clearance
-    arm = run.story.states["arm"]
-    return float(np.nanmin(arm)) if np.isfinite(arm).any() else None
-
-
-def _safe(run: Evidence, limit: float | None, clearance: float | None, arm: float | None) -> bool | None:
-    if run.summary is not None:
-        return run.summary.safe
-    near = limit is not None and clearance is not None and clearance < limit
-    return False if near or (arm is not None and arm <= 0.0) else None
-
-
-def _stops(run: Evidence) -> int | None:
-    if run.robot is not None:
-        return run.robot.stops
-    last = run.story.last
-    return last.stops if last is not None and last.states else None
 
 
 def _why(run: Evidence) -> str:

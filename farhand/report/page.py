@@ -26,8 +26,10 @@ class Page:
         self._runs = runs
         self._figures = [figures_of(each) for each in runs]
         self._told = [tables.told(each) for each in self._figures]
-        end = max((each.story.duration for each in runs), default=0.0)
-        self._span = (0.0, end if end > 0.0 else 1.0)
+        times = [t for each in runs if len(t := each.story.ticks["t"])]
+        begin = min((float(t[0]) for t in times), default=0.0)
+        end = max((float(t[-1]) for t in times), default=0.0)
+        self._span = (begin, end if end > begin else begin + 1.0)
 
     def html(self) -> str:
         """The file."""
@@ -140,9 +142,10 @@ def _head(found: Figures, *, several: bool) -> str:
     lacks = "".join(f"<li>{escape(each)}</li>" for each in found.lacks)
     box = f'<div class="lacks"><b>What is missing</b><ul>{lacks}</ul></div>' if lacks else ""
     name = f'<p class="said">{escape(found.name)}</p>' if several else ""
+    slow = f'<div class="lacks">{escape(found.slow)}</div>' if found.slow else ""
     return (
         f"<h1>{escape(found.scenario)}</h1>{name}<p>{words.badges(found)} {escape(words.result(found))}</p>"
-        f'<p class="said">{words.what(found)}</p>{box}'
+        f'<p class="said">{words.what(found)}</p>{slow}{box}'
     )
 
 

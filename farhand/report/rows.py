@@ -3,13 +3,17 @@
 from collections.abc import Callable, Sequence
 
 from farhand.report.figures import Figures
-from farhand.report.words import length, lost, mm, ms, share, spread_mm, spread_ms
+from farhand.report.words import UNKNOWN, length, lost, mm, ms, share, spread_mm, spread_ms
 
 Row = tuple[str, Callable[[Figures], str]]
 
 
 def _times(found: Figures, kind: str, did: str) -> str:
-    return _said(did, *found.happened.get(kind, (0, 0.0)))
+    """As recorded; of what is not recorded nobody knows."""
+    times, seconds = found.happened.get(kind, (0, 0.0))
+    if found.whole:
+        return _said(did, times, seconds)
+    return f"{_said(did, times, seconds)} in what is recorded" if times else UNKNOWN
 
 
 def _said(did: str, times: int, seconds: float) -> str:
@@ -19,18 +23,52 @@ def _said(did: str, times: int, seconds: float) -> str:
     return f"{did} {how}".strip() + (f", {length(seconds)} in all" if seconds >= 0.05 else "")
 
 
+def _by(found: Figures, name: str, said: str) -> str:
+    """With whose word it is, where it is not the recording's."""
+    source = found.sources.get(name)
+    return f"{said} ({source})" if source else said
+
+
+def _filter(found: Figures) -> str:
+    if found.whole or found.filtered_ticks is None:
+        return _times(found, "filter", "intervened")
+    said = f"intervened in {found.filtered_ticks} ticks" if found.filtered_ticks else "never"
+    return _by(found, "filtered_ticks", said)
+
+
 def _guard(found: Figures) -> str:
     """By the robot's own count, which sees it at its own rate; else by what its states told."""
     if found.guard is None:
         return _times(found, "guard", "acted")
-    return _said("acted", *found.guard)
+    return _by(found, "guard", _said("acted", *found.guard))
 
 
 def _stops(found: Figures) -> str:
     """As the robot counted: of one that nobody saw for want of states no event tells."""
-    if not found.stops:
-        return "unknown" if found.stops is None else "none"
-    return f"{found.stops}"
+    if found.stops is None:
+        return UNKNOWN
+    return _by(found, "stops", f"{found.stops}" if found.stops else "none")
+
+
+def _refused(found: Figures) -> str:
+    if found.refused is None or "refused" not in found.sources:
+        return _times(found, "refused", "")
+    commands = "1 command" if found.refused == 1 else f"{found.refused} commands"
+    return _by(found, "refused", commands if found.refused else "never")
+
+
+def _arm(found: Figures) -> str:
+    if found.arm_clearance is not None:
+        return _by(found, "arm_clearance", mm(found.arm_clearance))
+    return "not computed" if found.states or "arm_clearance" in found.sources else UNKNOWN
+
+
+def _clearance(found: Figures) -> str:
+    return UNKNOWN if found.clearance is None else _by(found, "clearance", mm(found.clearance))
+
+
+def _late_ticks(found: Figures) -> str:
+    return UNKNOWN if found.overruns is None else _by(found, "overruns", str(found.overruns))
 
 
 def _coverage(found: Figures) -> str:
@@ -56,18 +94,15 @@ def _robot_loop(found: Figures) -> str:
 
 
 SAFETY: Sequence[Row] = (
-    ("clearance of the tool, least", lambda f: mm(f.clearance)),
-    (
-        "clearance of the bare arm, least",
-        lambda f: "not computed" if f.arm_clearance is None else mm(f.arm_clearance),
-    ),
+    ("clearance of the tool, least", _clearance),
+    ("clearance of the bare arm, least", _arm),
     ("limit", lambda f: mm(f.limit)),
-    ("filter", lambda f: _times(f, "filter", "intervened")),
+    ("filter", _filter),
     ("guard", _guard),
     ("stops of the robot", _stops),
     ("held, or commanded zero", lambda f: _times(f, "hold", "")),
     ("no progress", lambda f: _times(f, "stuck", "")),
-    ("refusals by the robot", lambda f: _times(f, "refused", "")),
+    ("refusals by the robot", _refused),
 )
 MARGIN: Sequence[Row] = (
     ("width: median · 99 % · largest", lambda f: spread_mm(f.margin_width)),
@@ -75,7 +110,10 @@ MARGIN: Sequence[Row] = (
     ("coverage: error within the margin before it", _coverage),
     (
         "parts, mean",
-        lambda f: ", ".join(f"{name} {mm(part)}" for name, part in f.margin_parts.items()) or "none",
+        lambda f: (
+            ", ".join(f"{name} {mm(part)}" for name, part in f.margin_parts.items())
+            or ("none" if f.margin_width is not None else UNKNOWN)
+        ),
     ),
 )
 LINK: Sequence[Row] = (
@@ -91,7 +129,7 @@ LINK: Sequence[Row] = (
 TIMING: Sequence[Row] = (
     ("operator's tick, period", lambda f: ms(f.period)),
     ("tick late: median · 99 % · largest", _tick_late),
-    ("late ticks, as it counted", lambda f: "unknown" if f.overruns is None else str(f.overruns)),
+    ("late ticks, as it counted", _late_ticks),
     ("solver", lambda f: "not measured in virtual time" if f.clock == "virtual" else spread_ms(f.solve)),
     ("robot's loop late", _robot_loop),
 )

@@ -45,11 +45,15 @@ MOST_HAPPENINGS = 20_000
 
 @dataclass
 class Story:
-    """A recorded run in numbers; times in s since its first tick, on the operator's clock.
+    """A recorded run in numbers; times in s since its first motion command, on the operator's clock.
 
     Attributes:
         info: see RunInfo.
         began_ns: the first tick (operator's clock).
+        zero_ns: the first motion command, else, where it is not recorded, the first tick: zero of all times here.
+        zero: which of them, in words.
+        drove: whether it is the first motion command.
+        whole: every tick is there, as far as the recording alone can tell.
         ticks: columns TICK_COLUMNS, a row a tick: s, m, m/s, rad/s; `sigma` of the barrier; flags 0 and 1.
         parts: of the margin, a column each (m), a row a tick.
         states: columns STATE_COLUMNS, a row a state that arrived: t of its arrival, `sample` of its making on the
@@ -67,6 +71,10 @@ class Story:
 
     info: RunInfo
     began_ns: int = 0
+    zero_ns: int = 0
+    zero: str = ""
+    drove: bool = False
+    whole: bool = True
     ticks: Columns = field(default_factory=lambda: Columns(*TICK_COLUMNS))
     parts: NamedParts = field(default_factory=NamedParts)
     states: Columns = field(default_factory=lambda: Columns(*STATE_COLUMNS))
@@ -81,14 +89,19 @@ class Story:
     size: int = 0
 
     @property
-    def duration(self) -> float:
+    def driven(self) -> float | None:
+        """From the first motion command to the last tick (s); None: it is not recorded."""
+        return float(self.ticks["t"][-1]) if self.drove else None
+
+    @property
+    def length(self) -> float:
         """From the first tick to the last (s)."""
         t = self.ticks["t"]
         return float(t[-1] - t[0]) if len(t) else 0.0
 
     def since(self, instant_ns: int) -> float:
-        """An instant of the operator's clock as s since the first tick."""
-        return (instant_ns - self.began_ns) * 1e-9
+        """An instant of the operator's clock as s since `zero_ns`."""
+        return (instant_ns - self.zero_ns) * 1e-9
 
 
 def read_story(path: Path) -> Story:
@@ -108,6 +121,10 @@ class _Reading:
         self._happenings, self._deeds = Happenings(), Deeds()
         self._sessions: dict[int, int] = {}
         self._unread = 0
+        self._before: tuple[int, bool] = (-1, False)  # number of the tick before, and whether it drove
+        self._first_drive: tuple[int, bool] | None = (
+            None  # when one drove, and whether it is known to be the first
+        )
 
     def read(self, reader: RunReader) -> None:
         """All of a file."""
@@ -123,12 +140,15 @@ class _Reading:
             self._keep(happening)
         story.happenings.sort(key=lambda each: (each.began_ns, each.kind))
         self._deeds.explain(story.happenings)
-        story.lacks = [*self._of_file(reader), *_few(flaws), *self._of_content(reader)]
+        missing = self._of_file(reader)
+        story.whole = not (missing or flaws or self._unread)
+        self._set_zero()
+        story.lacks = [*missing, *_few(flaws), *self._of_content(reader)]
 
     def _tick(self, tick: DecodedTick) -> None:
         story, now_ns = self._story, tick.record.now_ns
         if not story.began_ns:
-            story.began_ns = now_ns
+            story.began_ns = story.zero_ns = now_ns
         for arrived_ns, _, message in tick.arrived:
             if isinstance(message, RobotState):
                 self._state(message, arrived_ns)
@@ -140,6 +160,7 @@ class _Reading:
         if report is None:
             self._unread += 1
             return
+        self._note_drive(tick.record.number, now_ns, drives=report.mode == "run")
         for happening in self._happenings.tick(report, now_ns):
             self._keep(happening)
         self._deeds.tick(report, now_ns)
@@ -165,6 +186,25 @@ class _Reading:
             report.intervening,
             report.states > 0,
         )
+
+    def _note_drive(self, number: int, now_ns: int, *, drives: bool) -> None:
+        before, drove = self._before
+        if drives and self._first_drive is None:
+            self._first_drive = now_ns, number == before + 1 and not drove
+        self._before = number, drives
+
+    def _set_zero(self) -> None:
+        """Count all times from the first motion command on, where it is known which that is."""
+        story = self._story
+        if self._first_drive is None:
+            story.zero = "the first tick: no motion command is recorded"
+        elif not self._first_drive[1]:
+            story.zero = "the first tick that is recorded: the first motion command is not"
+        else:
+            story.zero, story.drove = "the first motion command", True
+            story.zero_ns = self._first_drive[0]
+            for columns in (story.ticks, story.states):
+                columns.shift("t", (story.began_ns - story.zero_ns) * 1e-9)
 
     def _state(self, state: RobotState, arrived_ns: int) -> None:
         story = self._story
@@ -216,7 +256,7 @@ class _Reading:
         if not story.ticks.rows:
             lines.append("the recording holds no tick")
         elif not story.states.rows:
-            lines.append("no state of the robot ever arrived: of path and clearance nothing is known")
+            lines.append("no state of the robot is recorded: there is no path, and no clearance over time")
         if story.states.rows and story.scene is None:
             lines.append("no scene of the robot arrived: obstacles and targets are not drawn")
         promised = sum(reader.promised.get(topic, 0) for topic in FATE_TOPICS.values())

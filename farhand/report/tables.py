@@ -78,6 +78,8 @@ def told(found: Figures) -> list[int]:
 def events(found: Figures, shown: Sequence[int], prefix: str) -> str:
     """A line for each event."""
     if not found.events:
+        if not found.whole:
+            return "<p>Nothing in what is recorded, which is not all of the run.</p>"
         return "<p>Nothing: no intervention, no stop, no refusal.</p>"
     rows = []
     for number in shown:

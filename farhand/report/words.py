@@ -70,13 +70,24 @@ def result(found: Figures) -> str:
     """What came of it, in a line of plain text."""
     parts = []
     if found.targets:
-        parts.append(f"{found.targets_reached} of {found.targets} targets in {length(found.duration)}")
+        took = f" in {length(found.duration)}" if found.duration is not None else ""
+        parts.append(
+            f"{found.targets_reached} of {found.targets} targets{took}{_by(found, 'targets_reached')}"
+        )
     else:
-        parts.append(f"{length(found.duration)} long")
+        parts.append(f"targets {UNKNOWN}, {length(found.recorded)} recorded")
     if found.clearance is not None:
         limit = f" (limit {found.limit * 1e3:g} mm)" if found.limit is not None else ""
-        parts.append(f"least clearance {mm(found.clearance)}{limit}")
+        parts.append(f"least clearance {mm(found.clearance)}{limit}{_by(found, 'clearance')}")
     return ", ".join(parts) + (f"; {found.why}" if found.why else "")
+
+
+def _by(found: Figures, name: str) -> str:
+    """Whose word it is, where not all of the run is recorded and the sources may differ."""
+    if found.whole:
+        return ""
+    source = found.sources.get(name)
+    return f" by the {source}" if source else " as recorded"
 
 
 def what(found: Figures) -> str:
@@ -86,7 +97,7 @@ def what(found: Figures) -> str:
     )
     return (
         f"robot {escape(found.robot)} driven by {escape(found.operator)} over {escape(network(found))}, "
-        f"margin {escape(found.margin or UNKNOWN)}; {escape(when)}"
+        f"margin {escape(found.margin or UNKNOWN)}; {escape(when)}; 0 s: {escape(found.zero)}"
     )
 
 

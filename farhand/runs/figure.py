@@ -13,7 +13,7 @@ from farhand.common.shapes.obstacle import moved
 from farhand.operator_side.result import Sample, Span
 from farhand.runs.scenario import Scenario
 from farhand.runs.scene_drawing import draw_shapes, draw_ways, seen_inside
-from farhand.runs.summary import RunSummary, motion_start
+from farhand.runs.summary import RunSummary
 
 WIDTH = 7.16  # inches: two columns of an IEEE page
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#666666"
@@ -71,7 +71,7 @@ def draw_run(
     import matplotlib.pyplot as plt
 
     path = np.asarray(trajectory, dtype=float).reshape(-1, 5)
-    began = motion_start(trajectory)
+    began = summary.began or 0.0
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(WIDTH, 3.5), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
@@ -105,7 +105,10 @@ def _title(summary: RunSummary) -> str:
         else f"least clearance {summary.min_clearance * 1e3:.1f} mm"
     )
     verdict = "safe" if summary.safe else "NOTHING WAS DRIVEN" if summary.driven is False else "NOT SAFE"
-    verdict += ", finished" if summary.finished else ", NOT FINISHED"
+    if not summary.end_known:
+        verdict += ", finished or not: unknown"
+    else:
+        verdict += ", finished" if summary.finished else ", NOT FINISHED"
     return f"{summary.scenario} over {summary.network}, margin {summary.margin}: {verdict}, {least}"
 
 
@@ -203,7 +206,7 @@ def _mark_stops(axes: Any, summary: RunSummary, path: Array, plane: tuple[int, i
     """A cross where the tool was when the robot stopped."""
     if len(path) == 0:
         return
-    began = motion_start(path.tolist())
+    began = summary.began or 0.0
     stops = [t + began for t, mode, _ in summary.interruptions if mode in ("stopped", "estop")]
     for number, t in enumerate(stops):
         row = path[min(len(path) - 1, int(np.searchsorted(path[:, 0], t)))]
@@ -259,7 +262,7 @@ def _draw_round_trip(axes: Any, series: Series, silences: Sequence[Span]) -> Non
             rtt = np.where((t > begin) & (t < end), np.nan, rtt)
         axes.plot(t, rtt, color=ORANGE, lw=0.9)
         axes.set_ylim(bottom=0)
-    axes.set_xlabel("time since the first motion (s)")
+    axes.set_xlabel("time since the first motion command (s)")
     axes.set_ylabel("round trip (ms)")
 
 

@@ -31,7 +31,8 @@ class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
     when: its beginning; in virtual time, or without a recording, when its files were written (s since 1970, UTC).
     scenario, network: None: unknown.
     safe, finished: None: unknown.
-    length: of the recording, else of the drive (s); None: unknown.
+    length: from the first motion command to the end, else, where no program told that, of the recording (s); None:
+        unknown.
     size: of its files (bytes).
     writing: a program is writing there now.
     note: what else is to be said of it.
@@ -53,9 +54,10 @@ class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
         """In words."""
         if self.writing:
             return "is being written"
-        if self.safe is None:
+        if self.safe is None and self.finished is None:
             return "unknown"
-        return f"{'safe' if self.safe else 'NOT SAFE'}, {'finished' if self.finished else 'not finished'}"
+        safe = "safety unknown" if self.safe is None else "safe" if self.safe else "NOT SAFE"
+        return safe if self.finished is None else f"{safe}, {'finished' if self.finished else 'not finished'}"
 
 
 def list_runs(folder: Path) -> list[ListedRun]:
@@ -124,15 +126,20 @@ def _of_folder(folder: Path) -> ListedRun:
         notes.append(found.note)
     files = list(files_of(folder))
     when = found.when if found is not None else max(each.stat().st_mtime for each in files)
-    length = found.length if found is not None else None
+    if summary is not None and summary.end_known:
+        length: float | None = summary.duration
+    else:
+        length = found.length if found is not None else None
+    if summary is not None and not summary.end_known:
+        notes.append("the operator left no result")
     return ListedRun(
         path=str(folder),
         when=when,
         scenario=summary.scenario if summary is not None else found.scenario if found is not None else None,
         network=summary.network if summary is not None else found.network if found is not None else None,
-        safe=summary.safe if summary is not None else None,
-        finished=summary.finished if summary is not None else None,
-        length=summary.duration if length is None and summary is not None else length,
+        safe=summary.safe if summary is not None and summary.safety_known else None,
+        finished=summary.finished if summary is not None and summary.end_known else None,
+        length=length,
         size=sum(each.stat().st_size for each in files),
         writing=is_written(folder),
         note="; ".join(notes),

@@ -6,12 +6,15 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from farhand.common.process.called import called
 from farhand.netem.measure.result import DirectionCounts, NetemCounts
+from farhand.runs.files import RECORDING
 from farhand.runs.guard_words import guard_summary
 from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
 
 SHOWN_STOPS = 5
+NO_OPERATOR, NO_ROBOT = (f"unknown: the {who} left no result" for who in ("operator", "robot"))
 LAG_OFF, LAG_NEAR = 0.3, 0.02
 """A lag that is off by more than this share, and by more than this (s), is said."""
 
@@ -35,6 +38,10 @@ def print_outcome(
     if drawn:
         table.add_row("netem", drawn)
     console.print(table)
+    if summary.slow:
+        console.print(summary.slow, style="yellow", markup=False, highlight=False)
+    if folder is not None and not (summary.safety_known and summary.end_known):
+        _point_to_recording(folder, console)
     if folder is not None:
         names = ["summary.json", *([figure.name] if figure else [])]
         console.print(
@@ -44,18 +51,27 @@ def print_outcome(
         print(to_json(summary), flush=True)
 
 
+def _point_to_recording(folder: Path, console: Console) -> None:
+    if (folder / RECORDING).is_file():
+        line = f"its recording holds more than the results: {called()} report {folder}"
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
 def _verdict(summary: RunSummary) -> Text:
-    if summary.safe:
+    if not summary.safety_known:
+        safe = (" SAFE OR NOT: UNKNOWN ", "bold black on yellow")
+    elif summary.safe:
         safe = (" SAFE ", "bold white on green")
     elif summary.driven is False and not summary.too_near:
         safe = (" NOTHING WAS DRIVEN ", "bold black on yellow")
     else:
         safe = (" NOT SAFE ", "bold white on red")
-    done = (
-        (" FINISHED ", "bold white on green")
-        if summary.finished
-        else (" NOT FINISHED ", "bold black on yellow")
-    )
+    if not summary.end_known:
+        done = (" FINISHED OR NOT: UNKNOWN ", "bold black on yellow")
+    elif summary.finished:
+        done = (" FINISHED ", "bold white on green")
+    else:
+        done = (" NOT FINISHED ", "bold black on yellow")
     said = "; ".join(part for part in (summary.too_near, summary.why) if part)
     return Text.assemble(safe, " ", done, f"  {said}" if said else "")
 
@@ -64,11 +80,8 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
     rows = [
         ("clearance", _clearance(summary)),
         ("arm", _arm(summary)),
-        ("targets", f"{summary.targets_reached} of {summary.targets} in {summary.duration:.1f} s"),
-        (
-            "round trip",
-            f"{milliseconds(summary.rtt_mean)} ± {milliseconds(summary.rtt_std)} ms with computing",
-        ),
+        ("targets", _targets(summary)),
+        ("round trip", _round_trip(summary)),
         ("lost", _lost(summary.counts.netem)),
         ("silence", _silence(summary)),
         ("filter", _filter(summary)),
@@ -83,11 +96,35 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
 
 
 def _clearance(summary: RunSummary) -> str:
+    if not summary.safety_known:
+        return NO_ROBOT
     if summary.min_clearance is None:
-        return "no obstacle in the scene, or unknown"
+        robot = summary.counts.robot
+        return (
+            "no obstacle in the scene"
+            if robot is not None and robot.ticks
+            else "unknown: the robot never ran"
+        )
     whose = f"of the tool's safety sphere (radius {summary.radius * 1e3:g} mm)"
     to = f" to {summary.nearest_obstacle!r}" if summary.nearest_obstacle else ""
     return f"{summary.min_clearance * 1e3:.1f} mm least (limit {summary.d_min * 1e3:g} mm), {whose}{to}"
+
+
+def _targets(summary: RunSummary) -> str:
+    if not summary.end_known:
+        return NO_OPERATOR
+    reached = f"{summary.targets_reached} of {summary.targets}"
+    if not summary.duration:
+        return f"{reached}; no motion was ever commanded"
+    return f"{reached} in {summary.duration:.1f} s, counted from the first motion command as all times here"
+
+
+def _round_trip(summary: RunSummary) -> str:
+    if not summary.end_known:
+        return NO_OPERATOR
+    if summary.rtt_mean is None:
+        return "never measured"
+    return f"{milliseconds(summary.rtt_mean)} ± {milliseconds(summary.rtt_std)} ms with computing"
 
 
 def _arm(summary: RunSummary) -> str:
@@ -138,6 +175,8 @@ def _silence(summary: RunSummary) -> str:
 
 
 def _filter(summary: RunSummary) -> str:
+    if not summary.end_known:
+        return NO_OPERATOR
     plans = f"no plan found in {summary.infeasible} of them" if summary.infeasible else "always with a plan"
     changed = f"intervened in {summary.interventions} of {summary.ticks} ticks"
     return f"{changed}, {plans}; {summary.controller}, solver {summary.solver}"
@@ -150,13 +189,15 @@ def _guard(summary: RunSummary) -> str:
 
 
 def _stops(summary: RunSummary) -> str:
-    """How many, when (since the first motion) and why; who acknowledged, if nobody did by hand."""
+    """How many, when (since the first motion command) and why; who acknowledged, if nobody did by hand."""
+    if not summary.safety_known:
+        return NO_ROBOT
     latched = [(t, reason) for t, mode, reason in summary.interruptions if mode in ("stopped", "estop")]
     told = [f"at {t:.1f} s {reason}" for t, reason in latched[:SHOWN_STOPS]]
     if len(latched) > SHOWN_STOPS:
         told.append(f"and {len(latched) - SHOWN_STOPS} more")
     if summary.stops and summary.acknowledges_itself:
-        told.append("acknowledged by the steering device itself")
+        told.append("the steering device acknowledges stops itself")
     holds = summary.counts.robot.holds if summary.counts.robot is not None else 0
     more = f", {holds} holds for want of commands" if holds else ""
     return f"{summary.stops}{more}" + (f": {'; '.join(told)}" if told else "")

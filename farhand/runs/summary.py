@@ -17,6 +17,7 @@ from farhand.robot_side.result import GuardedPair, RobotResult
 from farhand.runs.files import SUMMARY
 from farhand.runs.results import Counts, RunResults
 from farhand.runs.run import Run
+from farhand.runs.slowness import slowness
 from farhand.runs.why import too_near
 
 
@@ -24,11 +25,11 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     """SI units. The figures that decide stand here by name; every counter of the programs stands in `counts`.
 
     Attributes:
-        safe: the true clearance never fell below d_min, and no link of an arm touched an obstacle; of a run in
-            which no state of the robot arrived nothing is known to be safe.
+        safe: the true clearance is known never to have fallen below d_min, and no link of an arm to have touched an
+            obstacle; of a run in which no state of the robot arrived nothing is known to be safe.
         driven: whether the operator's side ever had a state of the robot; None: it left no result.
         too_near: part and obstacle that came too near, in words; empty otherwise.
-        finished: all targets were reached within the time limit.
+        finished: all targets are known to have been reached within the time limit.
         min_clearance: smallest true clearance of the robot's safety sphere (m); None without obstacles.
         min_arm_clearance: smallest true distance of the whole arm to an obstacle (m), where computed.
         d_min: distance to keep (m).
@@ -37,7 +38,8 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         interventions: ticks in which something binds or a reason stands (see ControlReport.intervening).
         infeasible: ticks in which the solver found no plan that meets every constraint.
         stops: latched stops of the robot.
-        interruptions: (t, mode, reason) of stops, and of holds for want of commands; s since the first motion.
+        began: when the robot got its first motion command (s since its first tick): zero of all times here.
+        interruptions: (t, mode, reason) of stops, and of holds for want of commands; s since the first motion command.
         radius: of the sphere around the tool that must stay clear (m).
         nearest_obstacle: to which the tool's sphere came nearest.
         guard_pairs: part and obstacle for whose sake the guard on the robot acted, longest first.
@@ -50,6 +52,7 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
         solver: what solved.
         real_time: run against the wall clock, as separate programs.
         why: what went wrong, in words; empty otherwise.
+        slow: that the machine did not keep up, in words; empty otherwise, and in virtual time.
         counts: all that operator, netem and robot counted and measured.
     """
 
@@ -81,8 +84,10 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     solver: str
     real_time: bool
     why: str = ""
+    slow: str = ""
     driven: bool | None = None
     too_near: str = ""
+    began: float | None = None
     interruptions: list[tuple[float, SafetyMode, str]] = msgspec.field(default_factory=list)
     radius: float = 0.0
     nearest_obstacle: str = ""
@@ -98,6 +103,16 @@ class RunSummary(msgspec.Struct, frozen=True, kw_only=True):
     def exit_code(self) -> int:
         """0 safe and finished, else 1."""
         return 0 if self.safe and self.finished else 1
+
+    @property
+    def safety_known(self) -> bool:
+        """Whether `safe` is a fact: without the robot's result, it is false because nothing is known."""
+        return self.counts.robot is not None
+
+    @property
+    def end_known(self) -> bool:
+        """Whether `finished`, the targets and all that the operator's side counts are facts; likewise."""
+        return self.counts.operator is not None
 
     @property
     def network(self) -> str:
@@ -128,7 +143,8 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
     measured = robot.ticks > 0 and (robot.min_clearance is not None or not scenario.obstacles)
     known = measured and driven is not False
     near = too_near(robot, d_min)
-    began = motion_start(robot.trajectory)
+    counts, period = results.counts(), pace_of(scenario).tick
+    began = robot.began if robot.began is not None else motion_start(robot.trajectory)
     return RunSummary(
         safe=known and clear and free,
         finished=operator.finished,
@@ -158,8 +174,10 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
         solver=operator.solver,
         real_time=real_time,
         why=why,
+        slow=slowness(counts, str(run.network), period) if real_time else "",
         driven=driven,
         too_near=near,
+        began=began,
         lag=scenario.robot.lag,
         interruptions=[(t - began, mode, reason) for t, mode, reason in robot.interruptions],
         radius=scenario.robot.radius,
@@ -167,14 +185,17 @@ def summarise(run: Run, results: RunResults, *, real_time: bool, why: str = "") 
         nearest_part=robot.nearest_part,
         nearest_to_arm=robot.nearest_to_arm,
         guard_pairs=robot.guard_pairs,
-        period=pace_of(scenario).tick,
+        period=period,
         acknowledges_itself=DEVICES.get(scenario.steering.kind, "steering.kind").acknowledges_itself,
-        counts=results.counts(),
+        counts=counts,
     )
 
 
 def motion_start(trajectory: Sequence[Sequence[float]]) -> float:
-    """When the tool had left its start by a millimetre (s since the robot's first tick); else its beginning."""
+    """When the tool had left its start by a millimetre (s since the robot's first tick); else its beginning.
+
+    In place of the first motion command, where the robot does not say when it came.
+    """
     if not trajectory:
         return 0.0
     start = trajectory[0][1:4]

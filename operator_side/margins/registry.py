@@ -18,6 +18,7 @@ MARGINS: "Kinds[type[MarginLaw]]" = Kinds(
         "paper": "farhand.operator_side.margins.paper:PaperMargin",
         "watchful": "farhand.operator_side.margins.watchful:WatchfulMargin",
         "adaptive": "farhand.operator_side.margins.adaptive:AdaptiveMargin",
+        "worst-case": "farhand.operator_side.margins.worst_case:WorstCaseMargin",
     },
 )
 

@@ -17,5 +17,6 @@ PREDICTORS: "Kinds[type[StatePredictor]]" = Kinds(
         "history": "farhand.operator_side.prediction.history:History",
         "echo": "farhand.operator_side.prediction.echo:EchoPrediction",
         "timeline": "farhand.operator_side.prediction.timeline:Timeline",
+        "known-delay": "farhand.operator_side.prediction.known_delay:KnownDelay",
     },
 )

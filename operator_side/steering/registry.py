@@ -19,6 +19,9 @@ DEVICES: "Kinds[type[SteeringDevice]]" = Kinds(
         "gamepad": "farhand.operator_side.steering.hand.gamepad:Gamepad",
         "spacemouse": "farhand.operator_side.steering.hand.spacemouse:Spacemouse",
         "recorded": "farhand.operator_side.steering.recorded.recorded:Recorded",
+        "person": "farhand.operator_side.steering.tester.person:Person",
+        "hostile": "farhand.operator_side.steering.tester.hostile:Hostile",
+        "paced": "farhand.operator_side.steering.tester.paced:Paced",
     },
 )
 BY_HAND = ("remote", "gamepad", "spacemouse")

@@ -4,29 +4,25 @@ import tempfile
 from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
-from struct import Struct
 
 import numpy as np
 
 from farhand.common.errors import ScenarioError
-from farhand.common.geometry import STILL, Array, Twist
+from farhand.common.geometry import Array, Twist
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
 from farhand.robot_side.arm.chain import ArmChain
-from farhand.robot_side.arm.holder import holder
-from farhand.robot_side.arm.holder import prepare as prepare_holder
 from farhand.robot_side.arm.kinematics import Kinematics
-from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.arm.velocity_control import DampedLeastSquares, DirectionKeeping, VelocityControl
 from farhand.robot_side.kernel.body import moved_at_most
+from farhand.robot_side.robots.arm_follower import ArmFollower, controls
 from farhand.robot_side.robots.arms import chosen_arm
 from farhand.robot_side.robots.bullet import connect, quiet
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
-from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Joints
+from farhand.robot_side.safety.guard.arm_guard import ArmGuard
 from farhand.robot_side.safety.guard.arm_start import check_arm_clear
 from farhand.robot_side.scene.surroundings import Surroundings
 
@@ -40,17 +36,23 @@ class ArmWorld:
 
     Args:
         scenario: start, joints, and the obstacles that the start must be clear of.
+        q: (n,) where the arm stands instead (rad), as a real one does.
 
     Raises ScenarioError when the arm cannot reach start or targets, or would stand in a collision at the start.
     """
 
-    def __init__(self, scenario: RobotScenario) -> None:
+    def __init__(self, scenario: RobotScenario, q: Array | None = None) -> None:
         try:
             self.arm = chosen_arm(scenario.robot)
         except ScenarioError as error:
             raise ScenarioError(f"scenario {scenario.name}: {error}") from None
         self.kinematics = Kinematics(self.arm)
-        self._q = _start_configuration(self.kinematics, scenario)
+        self._q = _start_configuration(self.kinematics, scenario) if q is None else q
+        self._chain = ArmChain(self.arm)
+        self._chain.at(self._q, np.zeros(self.arm.n))
+        # the joints' frames where the arm's clearance was measured last
+        self._R_then, self._p_then = np.zeros((self.arm.n, 3, 3)), np.full((self.arm.n, 3), np.inf)
+        self._reach = _reach(self.arm)
         _check_targets(self.kinematics, self._q, scenario)
         self._bullet, self._client = connect()
         try:
@@ -66,6 +68,37 @@ class ArmWorld:
         if self._client >= 0:
             self._bullet.disconnect(physicsClientId=self._client)
             self._client = -1
+
+    def place(self, q: Array) -> None:
+        """Put the arm at q (n,), rad, without any physics."""
+        self._q = q
+        self._chain.at(q, np.zeros(self.arm.n))
+        for index, angle in zip(self.joint_indices, q.tolist(), strict=True):
+            self._bullet.resetJointState(self.body, index, angle, physicsClientId=self._client)
+
+    def clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
+        """Distance of the whole arm to the nearest obstacle (m), 1 to 3 mm short of the truth; None: none is near."""
+        nearest = self._nearest(obstacles)
+        return None if nearest is None else nearest[0]
+
+    def nearest_names(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
+        """The link that is nearest to an obstacle, and that obstacle; empty: none is near."""
+        nearest = self._nearest(obstacles)
+        if nearest is None:
+            return "", ""
+        names = {number: name for name, number in self.link_indices.items()}
+        return names.get(nearest[2], "base"), nearest[1]
+
+    def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
+        return self._obstacles.nearest(obstacles, self._moved())
+
+    def _moved(self) -> float:
+        """How far any point of the arm can have gone since this was asked last (m)."""
+        now = self._chain
+        moved: float = moved_at_most(
+            now.R_base_joint, now.p_base_joint, self._R_then, self._p_then, self._reach
+        )
+        return moved
 
     def _load_arm(self) -> None:
         bullet, client = self._bullet, self._client
@@ -128,18 +161,9 @@ class ArmRobot(ArmWorld, Robot):
         super().__init__(scenario)
         arm = self.arm
         self.joint_names, self.model = arm.joint_names, arm.name
-        self.control, self._guard = _controls(self, scenario)
-        self._chain = ArmChain(arm)
-        self._keeps_direction = scenario.robot.velocity_control == "direction"
-        self._commanded: Array = np.zeros(arm.n)
-        # Positions and velocities of the joints, written together and in place: this happens in every period.
-        joints: Array = np.zeros(2 * arm.n)
-        self._q, self._qd, self._joints = joints[: arm.n], joints[arm.n :], joints.data
-        self._write = Struct(f"{2 * arm.n}d").pack_into
-        self._twist, self._wanted, self._omega = STILL, np.zeros(3), np.zeros(3)
-        # the joints' frames where the arm's clearance was measured last
-        self._R_then, self._p_then = np.zeros((arm.n, 3, 3)), np.full((arm.n, 3), np.inf)
-        self._reach = _reach(arm)
+        self._follower = ArmFollower(self.kinematics, scenario, self._q, self._chain)
+        self.control = self._follower.control
+        self._q = self._follower.q
         self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
@@ -155,7 +179,7 @@ class ArmRobot(ArmWorld, Robot):
         """See Robot; compiles what a period needs."""
         world = ArmWorld(scenario)
         world.close()
-        _controls(world, scenario)
+        controls(world.kinematics, scenario)
 
     @classmethod
     def prepare(cls, scenario: RobotScenario) -> None:
@@ -165,53 +189,29 @@ class ArmRobot(ArmWorld, Robot):
 
     def sample(self) -> RobotSample:
         """The state now."""
-        px, py, pz, vx, vy, vz, a, b, c, d, wx, wy, wz = self._chain.state.tolist()
-        return RobotSample((px, py, pz), (vx, vy, vz), (a, b, c, d), self._positions, (wx, wy, wz))
+        return self._follower.sample()
 
     def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
         """One period of `dt` s under the commanded twist."""
-        bullet, client = self._bullet, self._client
         if dt != self._dt:
             self._dt = dt
-            bullet.setTimeStep(dt, physicsClientId=client)
-        if twist != self._twist:
-            self._ask(twist)
-        if surroundings is None or self._guard is None:
-            self._drive(self._by_law(dt))
-            return
-        asked = None if self._keeps_direction else self._by_law(dt)
-        joints = Joints(self._q, self._qd, self._commanded)
-        R_base_wanted = self.control.R_base_wanted
-        self._drive(
-            self._guard.command(
-                joints, self._wanted, self._omega, R_base_wanted, surroundings, asked, self._chain
-            )
-        )
-
-    def _ask(self, twist: Twist) -> None:
-        self._twist, self._wanted, self._omega = twist, np.array(twist.linear), np.array(twist.angular)
-
-    def _by_law(self, dt: float) -> Array:
-        return self.control.joint_velocity(
-            self._q, self._commanded, self._tool, self._wanted, dt, self._omega
-        )
+            self._bullet.setTimeStep(dt, physicsClientId=self._client)
+        self._drive(self._follower.follow(twist, dt, surroundings))
 
     def halt(self, dt: float) -> None:
         """Brake all joints together, on the way that the guard has found clear."""
-        if self._guard is None:
+        if self._follower.guard is None:
             super().halt(dt)
         else:
-            self._ask(STILL)
-            self._drive(self._guard.halt(self._commanded))
+            self._drive(self._follower.brake(dt))
 
     def intervention(self) -> Intervention | None:
         """See Robot."""
-        return None if self._guard is None else self._guard.did
+        return self._follower.intervention()
 
     def _drive(self, commanded: Array) -> None:
         """One period of physics under joint velocities (n,), rad/s."""
         bullet, client = self._bullet, self._client
-        self._commanded = commanded
         if self.arm.holds_itself:
             bullet.setJointMotorControlArray(
                 self.body,
@@ -224,7 +224,7 @@ class ArmRobot(ArmWorld, Robot):
             self.body,
             self.joint_indices,
             bullet.VELOCITY_CONTROL,
-            targetVelocities=self._commanded.tolist(),
+            targetVelocities=commanded.tolist(),
             forces=self._forces,
             physicsClientId=client,
         )
@@ -232,52 +232,21 @@ class ArmRobot(ArmWorld, Robot):
         self._read()
 
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
-        """Distance of the whole arm to the nearest obstacle (m), 1 to 3 mm short of the truth."""
-        nearest = self._nearest(obstacles)
-        return None if nearest is None else nearest[0]
-
-    def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
-        return self._obstacles.nearest(obstacles, self._moved())
-
-    def _moved(self) -> float:
-        """How far any point of the arm can have gone since this was asked last (m)."""
-        now = self._chain
-        moved: float = moved_at_most(
-            now.R_base_joint, now.p_base_joint, self._R_then, self._p_then, self._reach
-        )
-        return moved
+        """See Robot."""
+        return self.clearance(obstacles)
 
     def held_by(self) -> str:
         """See Robot."""
-        return holder(self.kinematics, self._q, self._tool.jacobian, self._commanded, self._wanted)
+        return self._follower.held_by()
 
     def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
         """See Robot."""
-        nearest = self._nearest(obstacles)
-        if nearest is None:
-            return "", ""
-        names = {number: name for name, number in self.link_indices.items()}
-        return names.get(nearest[2], "base"), nearest[1]
+        return self.nearest_names(obstacles)
 
     def _read(self) -> None:
         states = self._bullet.getJointStates(self.body, self.joint_indices, self._client)
-        self._positions, velocities, _, _ = zip(*states, strict=True)
-        self._write(self._joints, 0, *self._positions, *velocities)
-        self._tool = self._chain.at(self._q, self._qd)
-
-
-def _controls(world: ArmWorld, scenario: RobotScenario) -> tuple[VelocityControl, ArmGuard | None]:
-    """The velocity control and the guard that a scenario asks for."""
-    arm, settings, down = world.arm, scenario.robot, world.kinematics.R_base_tool_down
-    bounds = JointBounds(arm.lower, arm.upper, arm.max_velocity, arm.max_acceleration)
-    control: VelocityControl = (
-        DirectionKeeping(bounds, down, arm.home)
-        if settings.velocity_control == "direction"
-        else DampedLeastSquares(bounds, arm.max_velocity, down)
-    )
-    guard = ArmGuard(arm, scenario.guard, settings.lag, 1.0 / settings.rate_hz) if scenario.guard.on else None
-    prepare_holder(arm.n)
-    return control, guard
+        positions, velocities, _, _ = zip(*states, strict=True)
+        self._follower.observe(positions, velocities)
 
 
 def _reach(arm: ArmModel) -> float:

@@ -18,6 +18,7 @@ ROBOTS: "Kinds[type[Robot]]" = Kinds(
     {
         "arm": "farhand.robot_side.robots.pybullet_arm:ArmRobot",
         "ur5": "farhand.robot_side.robots.pybullet_arm:ArmRobot",
+        "ur": "farhand.robot_side.robots.ur_arm:UrRobot",
         "box": "farhand.robot_side.robots.pybullet_box:BoxRobot",
         "point": "farhand.robot_side.robots.point:PointRobot",
     },

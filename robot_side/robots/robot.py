@@ -46,6 +46,9 @@ class Robot(ABC):
             simulator, whose time would fall behind; for hardware, whose time went on, it would be a burst.
         guards_itself: whether `step` keeps its whole body clear of `surroundings`; of others the robot's program
             guards the sphere around the tool.
+        is_real: whether it is hardware, or stands for it; virtual time cannot drive it.
+        rate_hz: of its own controller; None: it is stepped as often as the scenario says.
+        notes: lines for people on what was found at its start.
     """
 
     Settings: ClassVar[type[Section]] = NoSettings
@@ -53,6 +56,9 @@ class Robot(ABC):
     model: str = ""
     catches_up: bool = False
     guards_itself: bool = False
+    is_real: bool = False
+    rate_hz: float | None = None
+    notes: Sequence[str] = ()
 
     @classmethod
     @abstractmethod
@@ -99,6 +105,14 @@ class Robot(ABC):
 
     def held_by(self) -> str:
         """What keeps it from following its last command, such as `joint limit: elbow`; empty: nothing does."""
+        return ""
+
+    def stopped_by(self) -> str:
+        """What keeps it from moving at all now, and what to do, such as `protective stop: ...`; empty: nothing does.
+
+        It is asked in every period, after `sample`. While it says something the robot is stopped, and it moves again
+        only by an acknowledgement that is newer.
+        """
         return ""
 
     def close(self) -> None:  # noqa: B027 (some have nothing to give back)

@@ -42,9 +42,11 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
     """The robot and its loops; what a kind from outside alone needs is in the table named after it.
 
     Attributes:
-        kind: which robot: `arm` (PyBullet; which one say `model` or `urdf`), `ur5` (the arm of that model), `box`
-            (PyBullet free-flying box), `point` (first-order lag, fast), or one that an installed package brings.
+        kind: which robot: `arm` (PyBullet; which one say `model` or `urdf`), `ur5` (the arm of that model), `ur` (a
+            real UR arm), `box` (PyBullet free-flying box), `point` (first-order lag, fast), or one that an installed
+            package brings.
         model: an arm that is known by name: ur3, ur5, ur10, panda.
+        host: address of the controller, for kind `ur`.
         urdf: the file of any other arm: six or seven revolute joints in a row.
         srdf: what says which of its links never collide; without it all but neighbours are kept apart.
         capsules: what `farhand arm fit` wrote of it; without it the capsules are fitted at the start.
@@ -67,6 +69,7 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
     state_rate_hz: Rate = 100.0
     lag: Annotated[float, Meta(ge=0, le=2)] = 0.016
     model: File | None = None
+    host: File | None = None
     urdf: File | None = None
     srdf: File | None = None
     capsules: File | None = None
@@ -87,13 +90,26 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
             raise ValueError("model and urdf name two arms; give one of them")
         if self.kind == "arm" and self.model is None and self.urdf is None:
             raise ValueError(f"kind 'arm' needs model, one of {', '.join(ARMS)}, or urdf, a file")
-        if self.kind in ("arm", "ur5"):
+        if self.kind == "ur":
+            self._check_real()
+        if self.kind in ("arm", "ur5", "ur"):
             self._check_known()
 
     @property
     def known_model(self) -> str:
         """Name of the known arm that it is; empty: one from a file, or none."""
         return "ur5" if self.kind == "ur5" else (self.model or "")
+
+    def _check_real(self) -> None:
+        if self.host is None:
+            raise ValueError("kind 'ur' needs host, the address of the arm's controller")
+        real = [name for name in ARMS if name.startswith("ur")]
+        if (self.model is None) == (self.urdf is None):
+            raise ValueError(
+                f"kind 'ur' needs model, one of {', '.join(real)}, or urdf, the file of any other UR arm"
+            )
+        if self.model in ARMS and self.model not in real:
+            raise ValueError(f"model {self.model!r} is no UR arm; there are {', '.join(real)}")
 
     def _check_known(self) -> None:
         name = self.known_model

@@ -56,6 +56,7 @@ class Watchdog:
         stops: entries into a latched stop.
         holds: times that RUN became HOLD because commands stayed away.
         changes: the last mode changes.
+        first_run_ns: when it first ran; None: it never did.
         applied_session, applied_seq, applied_ns: the command now applied, and since when (robot clock).
     """
 
@@ -77,6 +78,7 @@ class Watchdog:
         self.stops = 0
         self.holds = 0
         self.changes: deque[ModeChange] = deque(maxlen=REMEMBERED_CHANGES)
+        self.first_run_ns: int | None = None
         self.applied_session = 0
         self.applied_seq = 0
         self.applied_ns = 0
@@ -122,6 +124,15 @@ class Watchdog:
     def fault(self, what: str, now_ns: int) -> None:
         """Something inside the robot failed: stop, and stay stopped."""
         self._stop("stopped", f"{FAULT}{what}"[:512], now_ns)
+
+    def block(self, why: str, now_ns: int) -> None:
+        """The robot itself says that it cannot move: stopped, by what it says now; called for as long as it says so.
+
+        Only an acknowledgement that is built on a state from after the last call leads on.
+        """
+        if self.mode != "estop":
+            self._stop("stopped", why[:512], now_ns)
+        self._stopped_ns = now_ns
 
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
@@ -249,6 +260,8 @@ class Watchdog:
             return
         self.mode, self.reason = mode, reason
         self.changes.append(ModeChange(now_ns, mode, reason))
+        if mode == "run" and self.first_run_ns is None:
+            self.first_run_ns = now_ns
 
 
 def _outside(command: VelocityCommand) -> str:

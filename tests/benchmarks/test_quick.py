@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.__main__ import NAMES
 
-WITH_PROCESSES = ("netem", "seat")
+WITH_PROCESSES = ("netem", "ros2", "seat")
 
 
 def _run(name, folder, monkeypatch):

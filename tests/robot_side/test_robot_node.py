@@ -279,3 +279,45 @@ def test_summary_is_json_and_holds_the_worst_clearance():
     t, x, y, z, clearance = bench.node.trajectory[-1]
     assert t == pytest.approx(3.0)
     assert ((x, y, z), clearance) == (bench.states[-1].position, bench.states[-1].clearance)
+
+
+class Blocked(PointRobot):
+    """Says that it is stopped for as long as `why` says something; remembers how fast it was asked to go."""
+
+    why, asked = "", ()
+
+    def stopped_by(self):
+        return self.why
+
+    def step(self, twist, dt, surroundings=None):
+        self.asked = (*self.asked, max(map(abs, twist.linear)))
+        super().step(twist, dt, surroundings)
+
+
+def test_a_robot_that_says_that_it_is_stopped_is_asked_for_nothing_until_that_is_over_and_acknowledged():
+    robot = Blocked.for_scenario(SCENARIO)
+    bench = Bench(robot=robot)
+    bench.tick(60)
+
+    def send(mode):
+        bench.send(bench.command((0.2 if mode == "run" else 0.0, 0.0, 0.0), mode))
+        bench.tick(5)
+
+    send("acknowledge")
+    send("run")
+    assert bench.states[-1].mode == "run"
+    assert max(robot.asked) > 0.0
+    robot.why = "protective stop: look why"
+    bench.tick(200)  # long enough to stand
+    assert (bench.states[-1].mode, bench.states[-1].reason) == ("stopped", robot.why)
+    robot.asked = ()
+    for mode in ("run", "acknowledge", "run"):
+        send(mode)
+    assert (bench.states[-1].mode, max(robot.asked)) == ("stopped", 0.0)
+    robot.why = ""
+    send("run")
+    assert (bench.states[-1].mode, max(robot.asked)) == ("stopped", 0.0)
+    send("acknowledge")
+    send("run")
+    assert bench.states[-1].mode == "run"
+    assert max(robot.asked) > 0.0

@@ -4,17 +4,30 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 from farhand.common.errors import InputError
 from farhand.laboratory.campaigns.jobs import Job, Row, crashed, run_jobs
 from farhand.laboratory.campaigns.pools import Pool
-from farhand.laboratory.campaigns.store import Store
+from farhand.laboratory.campaigns.store import Keyed, R, Store
 
 CHUNK = 8
 AHEAD = 2
 """Chunks handed in for each one that runs."""
 
-Progress = Callable[[Row], None]
+J = TypeVar("J", bound=Keyed)
+
+
+@dataclass(frozen=True)
+class Work(Generic[J, R]):
+    """Attributes:
+    run: does a chunk of jobs in a worker; importable by name there, and never raises.
+    crashed: the row of a job whose process died, and why.
+    """
+
+    run: Callable[[list[J]], list[R]]
+    crashed: Callable[[J, str], R]
 
 
 class PoolLostError(InputError):
@@ -22,8 +35,13 @@ class PoolLostError(InputError):
 
 
 def run_campaign(
-    jobs: Sequence[Job], store: Store, pool: Pool, progress: Progress | None = None, chunk: int = CHUNK
-) -> list[Row]:
+    jobs: Sequence[J],
+    store: Store[R],
+    pool: Pool,
+    progress: Callable[[R], None] | None = None,
+    chunk: int = CHUNK,
+    work: Work[J, R] | None = None,
+) -> list[R]:
     """All rows in the order of the jobs; only those that the store lacks are run.
 
     Args:
@@ -32,36 +50,42 @@ def run_campaign(
         pool: where to run.
         progress: called with every new row.
         chunk: jobs sent to a worker at once.
+        work: what is done with them; None: they are runs of the laboratory.
     """
+    doing: Any = work or Work[Job, Row](run_jobs, crashed)
     missing = store.missing(jobs)
     chunks = deque([missing[i : i + chunk] for i in range(0, len(missing), chunk)])
 
-    def keep(rows: list[Row]) -> None:
+    def keep(rows: list[R]) -> None:
         for row in rows:
             if store.add(row) and progress is not None:
                 progress(row)
 
-    suspects: list[Job] = []
+    suspects: list[J] = []
     while chunks:
         with pool.open() as executor:
-            broken = _drain(executor, chunks, pool.width * AHEAD, keep)
+            broken = _drain(executor, chunks, pool.width * AHEAD, keep, doing)
         for each in broken:
             suspects.extend(each)
     while suspects:
-        suspects = _run_alone(suspects, pool, keep)
+        suspects = _run_alone(suspects, pool, keep, doing)
     return store.ordered(jobs)
 
 
 def _drain(
-    executor: Executor, chunks: deque[list[Job]], limit: int, keep: Callable[[list[Row]], None]
-) -> list[list[Job]]:
+    executor: Executor,
+    chunks: deque[list[J]],
+    limit: int,
+    keep: Callable[[list[R]], None],
+    work: Work[J, R],
+) -> list[list[J]]:
     """Run chunks until none is left or the pool breaks; returns those whose worker died."""
-    running: dict[Future[list[Row]], list[Job]] = {}
-    lost: list[list[Job]] = []
+    running: dict[Future[list[R]], list[J]] = {}
+    lost: list[list[J]] = []
     try:
         while chunks or running:
             while chunks and len(running) < limit:
-                running[executor.submit(run_jobs, chunks[0])] = chunks[0]
+                running[executor.submit(work.run, chunks[0])] = chunks[0]
                 chunks.popleft()
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
@@ -83,9 +107,7 @@ def _drain(
     return lost
 
 
-def _rescued(
-    running: dict[Future[list[Row]], list[Job]], keep: Callable[[list[Row]], None]
-) -> list[list[Job]]:
+def _rescued(running: dict[Future[list[R]], list[J]], keep: Callable[[list[R]], None]) -> list[list[J]]:
     """What had finished before the break is kept; the rest is returned."""
     lost = []
     for future, jobs in running.items():
@@ -96,14 +118,14 @@ def _rescued(
     return lost
 
 
-def _run_alone(jobs: list[Job], pool: Pool, keep: Callable[[list[Row]], None]) -> list[Job]:
+def _run_alone(jobs: list[J], pool: Pool, keep: Callable[[list[R]], None], work: Work[J, R]) -> list[J]:
     """Jobs that were in a process when one died: one at a time, so that it is plain which one did it.
 
     Returns those that are left when one has taken its process with it again.
     """
     with pool.open(1) as executor:
         for number, job in enumerate(jobs, 1):
-            future = executor.submit(run_jobs, [job])
+            future = executor.submit(work.run, [job])
             error = future.exception()
             if error is None:
                 keep(future.result())
@@ -112,6 +134,6 @@ def _run_alone(jobs: list[Job], pool: Pool, keep: Callable[[list[Row]], None]) -
                 raise PoolLostError(
                     f"the pool is gone ({error}); finished rows are kept, run it again to go on"
                 )
-            keep([crashed(job, f"the process that ran it died ({type(error).__name__})")])
+            keep([work.crashed(job, f"the process that ran it died ({type(error).__name__})")])
             return jobs[number:]
     return []

@@ -70,11 +70,12 @@ class DaskPool(Pool):
 
     Args:
         address: of the scheduler, e.g. tcp://10.0.0.5:8786.
+        option: that named it, for errors.
     """
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, option: str = "--scheduler") -> None:
         super().__init__(0)
-        self._address = address
+        self._address, self._option = address, option
 
     @property
     def width(self) -> int:
@@ -88,14 +89,14 @@ class DaskPool(Pool):
             import distributed as untyped
         except ImportError:
             raise InputError(
-                "--scheduler: the `distributed` package is missing; pip install 'farhand[dask]'"
+                f"{self._option}: the `distributed` package is missing; pip install 'farhand[dask]'"
             ) from None
         try:
             distributed: Any = untyped
             client = distributed.Client(self._address, timeout=ANSWER_TIMEOUT, set_as_default=False)
         except (OSError, ValueError, ImportError, TimeoutError) as error:
             why = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise InputError(f"--scheduler {self._address}: no Dask scheduler answers: {why}") from None
+            raise InputError(f"{self._option} {self._address}: no Dask scheduler answers: {why}") from None
         executor = client.get_executor(retries=RETRIES, pure=False)
         try:
             yield executor

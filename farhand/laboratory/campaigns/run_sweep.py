@@ -2,7 +2,7 @@
 
 import importlib.util
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ WITHOUT_PARQUET = f"no {PARQUET}: pyarrow is not installed (pip install 'farhand
 def run_sweep(sweep: Sweep, pool: Pool, out: Path, as_json: bool) -> int:
     """Run the sweep or what is missing of it; returns 0, or 1 when a run crashed."""
     console = page(stderr=as_json)
-    store = Store(out, sweep.about())
+    store: Store[Row] = Store(out, sweep.about())
     rows, run = run_with_progress(sweep.jobs, store, pool, console)
     written = [JSON, TABLE]
     if has_parquet():
@@ -61,17 +61,22 @@ def has_parquet() -> bool:
 
 def write_parquet(rows: Sequence[Row], path: Path) -> None:
     """The rows as Parquet; units are metadata of the columns."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     columns: dict[str, list[Any]] = {}
     for name in rows[0].labels if rows else ():
         columns[name] = _uniform([row.labels[name] for row in rows])
     for name in FIELDS:
         columns[name] = [getattr(row, name) for row in rows]
+    write_columns(columns, UNITS, path)
+
+
+def write_columns(columns: Mapping[str, list[Any]], units: Mapping[str, str], path: Path) -> None:
+    """Columns by name as Parquet; units are their metadata."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     arrays = [pa.array(values) for values in columns.values()]
     fields = [
-        pa.field(name, array.type, metadata={"unit": UNITS[name]} if name in UNITS else None)
+        pa.field(name, array.type, metadata={"unit": units[name]} if name in units else None)
         for name, array in zip(columns, arrays, strict=True)
     ]
     made = pa.BufferOutputStream()

@@ -1,31 +1,40 @@
 """`farhand table1` from beginning to end: run, tables, figures, files."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    Task,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from farhand.common.process.console import page, whole
 from farhand.common.process.outputs import survive
 from farhand.common.result_file import write_whole
 from farhand.common.timing.clock import stopwatch_seconds
-from farhand.laboratory.campaigns.campaign import run_campaign
-from farhand.laboratory.campaigns.jobs import Job, Row
+from farhand.laboratory.campaigns.campaign import CHUNK, J, Work, run_campaign
+from farhand.laboratory.campaigns.jobs import Row
 from farhand.laboratory.campaigns.pools import Pool
-from farhand.laboratory.campaigns.store import TABLE, Store
+from farhand.laboratory.campaigns.store import TABLE, Kept, R, Store
 from farhand.laboratory.campaigns.table1 import Table1
 from farhand.laboratory.campaigns.table1_report import to_json, to_markdown, to_rich
 
 JSON, MARKDOWN = "table1.json", "table1.md"
+LONG, TOLD = 100, 50
+"""A campaign of so many runs tells a log so often how far it is."""
 
 
 def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
     """Run the campaign or what is missing of it; returns 0, or 1 when a task crashed."""
     console = page(stderr=as_json)
-    store = Store(out, table.about())
+    store: Store[Row] = Store(out, table.about())
     jobs = table.jobs()
     rows, run = run_with_progress(jobs, store, pool, console)
     found = to_json(table, rows, run)
@@ -58,15 +67,27 @@ def keep(path: Path, write: Callable[[Path], object], console: Console) -> None:
 
 
 def run_with_progress(
-    jobs: list[Job], store: Store, pool: Pool, console: Console
-) -> tuple[list[Row], dict[str, Any]]:
-    """Rows in order and how long they took; `tasks.csv` is written whatever happens."""
+    jobs: list[J],
+    store: Store[R],
+    pool: Pool,
+    console: Console,
+    work: Work[J, R] | None = None,
+    chunk: int = CHUNK,
+    what: str = "running",
+) -> tuple[list[R], dict[str, Any]]:
+    """Rows in order and how long they took; `tasks.csv` is written whatever happens.
+
+    Args:
+        jobs, store, pool, work, chunk: see run_campaign.
+        console: shows progress and the time left.
+        what: is done, in a word.
+    """
     before = len(jobs) - len(store.missing(jobs))
     if before:
         console.print(f"going on: {before} of {len(jobs)} runs are there already", highlight=False)
     began = stopwatch_seconds()
     bar = Progress(
-        "running",
+        what,
         BarColumn(),
         MofNCompleteColumn(),
         "elapsed",
@@ -79,12 +100,14 @@ def run_with_progress(
         with bar:
             line = bar.add_task("", total=len(jobs), completed=before)
 
-            def advance(row: Row) -> None:
+            def advance(row: R) -> None:
                 if row.error:
                     bar.console.print(f"crashed: {row.key}, seed {row.seed}: {row.error}", highlight=False)
                 bar.advance(line)
+                if not console.is_terminal:
+                    _tell_the_file(bar.tasks[0], before, what, console)
 
-            rows = run_campaign(jobs, store, pool, advance)
+            rows = run_campaign(jobs, store, pool, advance, chunk, work)
     except KeyboardInterrupt:
         there = len(jobs) - len(store.missing(jobs))
         console.print(
@@ -111,7 +134,24 @@ def run_with_progress(
     return rows, run
 
 
-def report_crashes(rows: list[Row], console: Console) -> None:
+def _tell_the_file(task: Task, before: int, what: str, console: Console) -> None:
+    """A line now and then where no bar can be drawn: into a log, of a campaign that takes long.
+
+    Args:
+        task: of the bar.
+        before: how many of its runs were there already.
+        what: is done, in a word.
+        console: the log.
+    """
+    total, done = round(task.total or 0), round(task.completed)
+    if total < LONG or done == total or done * TOLD // total == (done - 1) * TOLD // total:
+        return
+    elapsed = (task.elapsed or 0.0) / 60.0
+    left = elapsed * (total - done) / (done - before)
+    console.print(f"{what}: {done} of {total}, {elapsed:.1f} min elapsed, {left:.1f} left", highlight=False)
+
+
+def report_crashes(rows: Sequence[Kept], console: Console) -> None:
     """Name the rows without a result and how to see one again."""
     crashes = [row for row in rows if row.error]
     for row in crashes[:10]:

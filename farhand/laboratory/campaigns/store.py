@@ -8,29 +8,63 @@ import csv
 import hashlib
 import io
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, Generic, Protocol, TextIO, TypeVar
 
 import msgspec
 
 from farhand.common.errors import InputError
 from farhand.common.process.outputs import hold_folder, make_folder
 from farhand.common.result_file import write_whole
-from farhand.laboratory.campaigns.jobs import UNITS, Job, Row
+from farhand.laboratory.campaigns.jobs import UNITS, Row
 
 CAMPAIGN, ROWS, TABLE = "campaign.json", "rows.jsonl", "tasks.csv"
 SELECTION = "selection"
 """Key of the settings that only say which rows are wanted."""
 FIELDS = tuple(name for name in Row.__struct_fields__ if name not in ("key", "labels"))
+"""Of a run's row."""
 
 
-class Store:
+class Keyed(Protocol):
+    """What has a name of its own within its campaign: a job, and the row that came of it."""
+
+    @property
+    def key(self) -> str:
+        """The name."""
+        ...
+
+
+class Kept(Keyed, Protocol):
+    """What every kind of row says."""
+
+    @property
+    def seed(self) -> int:
+        """Of its draws."""
+        ...
+
+    @property
+    def duration(self) -> float | None:
+        """In virtual time (s); None without a result."""
+        ...
+
+    @property
+    def error(self) -> str:
+        """What crashed; empty: nothing."""
+        ...
+
+
+R = TypeVar("R", bound=Kept)
+K = TypeVar("K", bound=Keyed)
+
+
+class Store(Generic[R]):
     """Finished rows on disk.
 
     Args:
         folder: made if need be.
         about: settings, seed and versions; a folder that holds another campaign is refused.
+        kind: of the rows, a msgspec Struct.
 
     Attributes:
         trouble: why finished rows are not on the disk, in words; empty: they are.
@@ -39,8 +73,14 @@ class Store:
         InputError: the folder cannot be written, holds another campaign, or another program runs it.
     """
 
-    def __init__(self, folder: Path, about: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        about: dict[str, Any],
+        kind: type[R] = Row,  # type: ignore[assignment]
+    ) -> None:
         self.folder = folder
+        self._kind = kind
         self.trouble = ""
         self._stream: TextIO | None = None
         try:
@@ -52,7 +92,7 @@ class Store:
         except OSError as error:
             raise InputError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
 
-    def add(self, row: Row) -> bool:
+    def add(self, row: R) -> bool:
         """Keep a finished row; False if it was there already."""
         if row.key in self.rows:
             return False
@@ -65,18 +105,18 @@ class Store:
                 self._fail(error)
         return True
 
-    def missing(self, jobs: Iterable[Job]) -> list[Job]:
+    def missing(self, jobs: Iterable[K]) -> list[K]:
         """The jobs without a row."""
         return [job for job in jobs if job.key not in self.rows]
 
-    def ordered(self, jobs: Iterable[Job]) -> list[Row]:
+    def ordered(self, jobs: Iterable[Keyed]) -> list[R]:
         """Finished rows in the order of the jobs."""
         return [self.rows[job.key] for job in jobs if job.key in self.rows]
 
-    def write_table(self, rows: Sequence[Row]) -> Path:
+    def write_table(self, rows: Sequence[R]) -> Path:
         """`tasks.csv`: a header with units, a line a run."""
         path = self.folder / TABLE
-        write_whole(path, to_csv(rows))
+        write_whole(path, to_csv(rows, self._kind))
         return path
 
     def close(self) -> None:
@@ -113,16 +153,16 @@ class Store:
                 )
         write_whole(path, text)
 
-    def _read(self) -> dict[str, Row]:
+    def _read(self) -> dict[str, R]:
         """Finished rows; a line that was cut off in the middle is dropped, from the file as well."""
         path = self.folder / ROWS
         if not path.exists():
             return {}
-        rows: dict[str, Row] = {}
+        rows: dict[str, R] = {}
         whole = bytearray()
         for line in path.read_bytes().splitlines(keepends=True):
             try:
-                row = msgspec.json.decode(line, type=Row)
+                row = msgspec.json.decode(line, type=self._kind)
             except msgspec.MsgspecError:
                 break
             if not line.endswith(b"\n"):
@@ -134,10 +174,14 @@ class Store:
         return rows
 
 
-def source_digest() -> str:
-    """Hash of the code that decides rows: a campaign must not go on with another."""
+def source_digest(*others: str) -> str:
+    """Hash of the code that decides rows: a campaign must not go on with another.
+
+    Args:
+        others: folders of `farhand` that decide as well.
+    """
     root = Path(__file__).resolve().parents[2]
-    folders = [root / name for name in ("common", "netem", "operator_side", "robot_side")]
+    folders = [root / name for name in ("common", "netem", "operator_side", "robot_side", *others)]
     files = [path for folder in folders for path in folder.rglob("*.py")]
     files += [root / name for name in ("laboratory/simulation.py", "programs/wiring.py")]
     files += [root / "runs" / f"{name}.py" for name in ("run", "scenario", "results", "summary")]
@@ -148,22 +192,29 @@ def source_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def to_csv(rows: Sequence[Row]) -> str:
-    """CSV text; the same rows give the same bytes."""
-    labels = list(rows[0].labels) if rows else []
+def to_csv(rows: Sequence[Any], kind: Any = Row) -> str:
+    """CSV text; the same rows give the same bytes.
+
+    Args:
+        rows: of one kind; their labels, where they have any, are the first columns.
+        kind: of the rows, a msgspec Struct; its `UNITS`, where it has any, go into the header.
+    """
+    fields = [name for name in kind.__struct_fields__ if name not in ("key", "labels")]
+    units = getattr(kind, "UNITS", UNITS)
+    labels = list(rows[0].labels) if rows and hasattr(rows[0], "labels") else []
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*labels, *(column(name) for name in FIELDS)])
+    writer.writerow([*labels, *(column(name, units) for name in fields)])
     for row in rows:
         writer.writerow(
-            [*(_cell(row.labels[name]) for name in labels), *(_cell(getattr(row, name)) for name in FIELDS)]
+            [*(_cell(row.labels[name]) for name in labels), *(_cell(getattr(row, name)) for name in fields)]
         )
     return text.getvalue()
 
 
-def column(name: str) -> str:
+def column(name: str, units: Mapping[str, str] = UNITS) -> str:
     """The name with its unit: `duration [s]`."""
-    return f"{name} [{UNITS[name]}]" if name in UNITS else name
+    return f"{name} [{units[name]}]" if name in units else name
 
 
 def _cell(value: Any) -> Any:

@@ -144,7 +144,7 @@ def main(words: Sequence[str] | None = None) -> int:
         "versions": versions(),
     }
     try:
-        store = Store(options.out, about)
+        store: Store[Row] = Store(options.out, about)
         rows, _ = run_with_progress(jobs_for(options), store, LocalPool(options.workers), console)
         answers = {(net, rate): drive(net, rate, COMPUTING_TIME) for net in networks for rate in rates}
     except FarhandError as error:

@@ -12,10 +12,13 @@ from farhand.cli import run
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.simulation import simulate
-from farhand.report.evidence import read_evidence
+from farhand.report.evidence import Evidence, _compare, read_evidence
+from farhand.report.figures import figures_of
 from farhand.report.page import Page
 from farhand.report.svg import Chart, Line, drawn
 from farhand.runs.summary import write_summary
+from farhand.testing import report
+from tests.farhand.report.test_story import told as story_of
 
 
 @pytest.fixture
@@ -71,6 +74,29 @@ def test_a_run_that_counted_more_ticks_than_were_recorded_is_told(folder, record
     assert any("the run had 999" in line for line in read_evidence(folder).lacks)
 
 
+def test_of_a_recording_that_lacks_most_each_figure_has_one_source(recorded):
+    """A recording of the wait alone, beside the results of a run that finished."""
+    summary = recorded[1].summary
+    counts = msgspec.structs.replace(
+        summary.counts, robot=msgspec.structs.replace(summary.counts.robot, refused={"stale": 4})
+    )
+    summary = msgspec.structs.replace(
+        summary, finished=True, targets_reached=3, targets=3, counts=counts, ticks=229, scenario="x", seed=1
+    )
+    found = Evidence("x", story_of([report(n, mode="hold", target_count=3) for n in range(5)]))
+    _compare(found, summary)
+    html, figures = Page([found]).html(), figures_of(found)
+    took, near = f"{summary.duration:.1f} s", f"{summary.min_clearance * 1e3:.1f} mm"
+    assert f"3 of 3 targets in {took} by the operator" in html
+    assert f"least clearance {near} (limit 50 mm) by the robot" in html
+    assert "<td>never</td>" not in html
+    assert "<td>held, or commanded zero</td><td>unknown</td>" in html
+    assert "<td>refusals by the robot</td><td>4 commands (robot&#x27;s result)</td>" in html
+    assert (figures.whole, figures.targets_reached, figures.recorded) == (False, 3, pytest.approx(0.4))
+    assert figures.sources["clearance"] == "robot's result"
+    assert not any("nothing is known" in line for line in found.lacks)
+
+
 def test_names_cannot_break_the_page(tmp_path):
     path = tmp_path / "x.mcap"
     name = "</script><b>x"
@@ -108,7 +134,7 @@ def test_json_is_the_same_for_the_same_run_wherever_it_lies(folder, tmp_path, ca
         said.append(capsys.readouterr().out)
     assert said[0] == said[1]
     found = msgspec.json.decode(said[0])
-    assert found["schema"] == "farhand-report-1"
+    assert found["schema"] == "farhand-report-2"
     assert found["runs"][0]["ticks"] == result.summary.ticks
     assert not (folder / "report.html").exists()
 

@@ -54,7 +54,12 @@ def test_every_tick_state_and_message_of_the_network_is_there(recorded):
         ("rtt", lambda r: np.nan if r.rtt is None else r.rtt),
     ):
         assert story.ticks[name] == pytest.approx([value(r) for r in result.reports], nan_ok=True), name
-    assert story.ticks["t"] == pytest.approx(np.arange(len(result.reports)) * 0.1)
+    first = next(n for n, each in enumerate(result.reports) if each.mode == "run")
+    assert story.ticks["t"] == pytest.approx((np.arange(len(result.reports)) - first) * 0.1)
+    assert (story.zero, story.driven) == (
+        "the first motion command",
+        pytest.approx(result.summary.duration, abs=0.11),
+    )
     assert story.states.rows == result.reports[-1].states
     down = story.network.ways["downlink"]
     assert down.messages == result.network.downlink.received + result.network.downlink.duplicated
@@ -66,6 +71,25 @@ def test_ticks_that_are_missing_are_told():
     story = told([report(n) for n in range(20)], missing={5, 6, 7})
     assert story.ticks.rows == 17
     assert any(line.startswith("3 ticks are missing 0.4 s after the first one") for line in story.lacks)
+
+
+@pytest.mark.parametrize(
+    ("missing", "zero", "first"),
+    [
+        ((), "the first motion command", -0.3),
+        ((7, 8), "the first motion command", -0.3),
+        ((2, 3, 4), "the first tick that is recorded: the first motion command is not", 0.0),
+        ((0, 1, 2, 3), "the first tick that is recorded: the first motion command is not", 0.0),
+        (range(3, 10), "the first tick: no motion command is recorded", 0.0),
+    ],
+)
+def test_times_count_from_the_first_motion_command_where_it_is_recorded(missing, zero, first):
+    reports = [report(n, mode="hold" if n < 3 else "run") for n in range(10)]
+    story = told(reports, missing=set(missing))
+    assert story.zero == zero
+    assert story.ticks["t"][0] == pytest.approx(first)
+    assert story.driven == (pytest.approx(0.6) if first else None)
+    assert story.whole is not bool(missing) or len(missing) == 7  # of an end that is not there no file knows
 
 
 def test_a_stop_of_the_robot_and_a_refusal_are_told_with_their_reason():

@@ -75,9 +75,31 @@ def test_it_tells_when_what_how_long_and_how_it_went(runs, summary):
     assert (found["run-0"].scenario, found["run-0"].network) == ("point-obstacle", "a / b")
     assert found["run-1"].result == "safe, not finished"
     assert found["run-1"].network == summary.network
-    assert all(each.length == pytest.approx(1.0) for each in found.values())
+    assert [each.length for each in found.values()] == pytest.approx(
+        [1.0, summary.duration, summary.duration, 1.0]
+    )
     assert utc_seconds() - found["run-0"].when == pytest.approx(86_400, abs=60)
     assert found["run-1"].size == sum(each.stat().st_size for each in (runs / "run-1").iterdir())
+
+
+@pytest.mark.parametrize(
+    ("left", "said"),
+    [
+        ((), "unknown"),
+        (("robot",), "safe"),
+        (("operator",), "safety unknown, not finished"),
+        (("robot", "operator"), "safe, not finished"),
+    ],
+)
+def test_what_a_program_did_not_leave_is_no_result_and_no_length(left, said, runs, summary):
+    counts = msgspec.structs.replace(
+        summary.counts, **{each: None for each in ("robot", "operator") if each not in left}
+    )
+    safe = summary.safe and "robot" in left
+    write_summary(msgspec.structs.replace(summary, counts=counts, safe=safe), runs / "run-1")
+    found = next(each for each in list_runs(runs) if each.path.endswith("run-1"))
+    assert found.result == said
+    assert found.length == pytest.approx(summary.duration if "operator" in left else 1.0)
 
 
 def test_a_summary_of_another_run_is_no_result_of_this_one(runs, summary):
@@ -108,7 +130,7 @@ def test_a_folder_that_may_not_be_read_is_said_and_the_others_are_told(runs, cap
     try:
         found = {os.path.basename(each.path): each for each in list_runs(runs)}
         assert found["run-1"].note == "cannot be read: Permission denied"
-        assert found["run-2"].length == pytest.approx(1.0)
+        assert found["run-2"].length < 1.0  # as its summary knows
         assert remove(runs / "run-1") == "cannot be removed: Permission denied"
         assert run(["report", str(runs / "run-1")]) == 2
     finally:

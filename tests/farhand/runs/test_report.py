@@ -7,8 +7,9 @@ import pytest
 from rich.console import Console
 
 from farhand.laboratory.simulation import simulate
+from farhand.netem.measure.result import Delays, DirectionResult, NetemResult
 from farhand.operator_side.result import OperatorResult
-from farhand.robot_side.result import RobotResult
+from farhand.robot_side.result import Lateness, RobotResult
 from farhand.runs.report import print_outcome
 from farhand.runs.results import RunResults
 from farhand.runs.run import Run, choose_network
@@ -49,7 +50,7 @@ def test_losses_silences_and_stops_are_in_the_summary(interrupted):
     assert summary.stops == 1
     (stop,) = [i for i in summary.interruptions if i[1] == "stopped"]
     assert f"at {stop[0]:.1f} s no good command for" in text
-    assert "acknowledged by the steering device itself" in text
+    assert "the steering device acknowledges stops itself" in text
 
 
 def test_the_silence_is_known_to_the_figure(interrupted):
@@ -62,6 +63,51 @@ def test_nothing_lost_is_said_as_well():
     assert "up none of" in text
     assert "always with a plan" in text
     assert "stops 0" in text
+
+
+def test_what_no_program_told_is_unknown_and_where_more_is_to_be_had_is_said(tmp_path):
+    console = Console(file=io.StringIO(), width=200)
+    (tmp_path / "run.mcap").write_bytes(b"x")
+    found = summarise(RUN, RunResults(), real_time=True, why="interrupted")
+    print_outcome(found, tmp_path, None, console, as_json=False)
+    lines = [" ".join(line.split()) for line in console.file.getvalue().splitlines()]
+    assert lines[0] == "SAFE OR NOT: UNKNOWN FINISHED OR NOT: UNKNOWN interrupted"
+    for label in ("clearance", "stops"):
+        assert f"{label} unknown: the robot left no result" in lines
+    for label in ("targets", "round trip", "filter"):
+        assert f"{label} unknown: the operator left no result" in lines
+    assert any(line.endswith(f"report {tmp_path}") and "its recording holds more" in line for line in lines)
+    assert not any(word in line for line in lines for word in ("0 of", " 0.0", "NOT SAFE", "always"))
+
+
+def test_all_times_count_from_the_first_motion_command_though_the_tool_moved_later():
+    robot = RobotResult(
+        ticks=10,
+        min_clearance=0.5,
+        stops=1,
+        began=2.0,
+        interruptions=[(5.0, "stopped", "silence")],
+        trajectory=[(0.0, 0.0, 0.0, 0.0, 1.0), (64.7, 1.0, 0.0, 0.0, 1.0)],
+    )
+    operator = OperatorResult(finished=True, solver="newton", duration=20.3)
+    text = printed(summarise(RUN, RunResults(robot=robot, operator=operator), real_time=False))
+    assert "3 in 20.3 s, counted from the first motion command as all times here" in text
+    assert "at 3.0 s silence" in text
+
+
+@pytest.mark.parametrize("late", [0.0, 0.3])
+def test_a_machine_that_was_too_slow_is_said(late):
+    netem = NetemResult(uplink=DirectionResult(error=Delays(p99=late)))
+    operator = OperatorResult(finished=True, solver="newton", duration=1.0, lateness_p99=late)
+    lateness = Lateness(p50=0.0, p99=late, max=late, realtime_priority=False)
+    robot = RobotResult(ticks=10, min_clearance=0.5, stops=0, lateness=lateness)
+    text = printed(summarise(RUN, RunResults(robot=robot, operator=operator, netem=netem), real_time=True))
+    said = (
+        f"this machine was too slow for {RUN.network} as it was asked for: the emulator's messages left 300 ms late, "
+        "the operator's ticks began 300 ms late, the robot's loop was 300 ms late (at p99)"
+    )
+    assert (said in text) == bool(late)
+    assert ("too slow" in text) == bool(late)
 
 
 def test_a_collision_names_part_and_obstacle():

@@ -39,6 +39,15 @@ def test_the_adaptive_margin_is_the_largest_of_its_parts_within_its_bounds(innov
     assert margin.parts == {"floor": 0.02, "innovation": innovation, "spread": spread}
 
 
+def test_the_worst_case_is_the_way_of_the_worst_delay_whatever_is_measured():
+    law = make_margin(
+        MarginSettings(kind="worst-case", own={"worst-case": {"speed": 0.5, "delay": 0.4, "extra": 0.03}})
+    )
+    for seen in (MarginInput(0.0, 0.0, 0.0, 0.0, 0.0), MarginInput(0.5, 0.2, 0.1, 0.3, 0.3)):
+        assert law.evaluate(seen).inflation == pytest.approx(0.23)
+        assert law.evaluate(seen).sigma == 0.0
+
+
 @given(nonnegative, nonnegative, nonnegative, nonnegative, st.floats(0, 1))
 def test_the_watchful_margin_is_never_less_than_the_papers_and_grows_with_what_is_not_known(
     rtt, std, age, newest, loss

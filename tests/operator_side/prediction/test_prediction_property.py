@@ -277,3 +277,21 @@ def test_laws_that_know_the_mean_round_trip_turn_by_it(law, turned):
         assert prediction.orientation is None
     else:
         assert turn_between(UPRIGHT, prediction.orientation) == pytest.approx([r * turned for r in TURN])
+
+
+@given(world=worlds)
+def test_a_known_delay_is_exact_where_it_is_the_delay(world):
+    commands, up, down = world
+    seq, rig = len(commands), World(commands, up)
+    sampled = seq * PERIOD - down
+    assume(sampled > up + 1e-6 and off_edge(sampled, up))
+    found = rig.predict("known-delay", sampled, seq, rtt_mean=up + down)
+    assert found.start == pytest.approx(rig.z(seq * PERIOD + up), abs=1e-9)
+    assert found.look == pytest.approx(up + down)
+
+
+def test_a_known_delay_is_not_learned_anew():
+    rig = World([((0.1, 0.0, 0.0),)] * 9, 0.1)
+    law = PREDICTORS.get("known-delay")(Known(rig.history, ME, PERIOD, LAG))
+    looks = [law.predict(rig.state(0.5), 9, 9 * P_NS, 0.1 if k < 40 else 0.4).look for k in range(60)]
+    assert looks == [0.1] * 60

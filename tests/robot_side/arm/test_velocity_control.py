@@ -29,8 +29,8 @@ def drive(start, velocity, seconds, law="direction"):
         sample = robot.sample()
         positions.append(sample.position)
         velocities.append(sample.velocity)
-        commanded.append(robot._commanded)
-        error = rotation_error(robot.kinematics.R_base_tool_down, robot._tool.R_base_tool)
+        commanded.append(robot._follower.commanded)
+        error = rotation_error(robot.kinematics.R_base_tool_down, robot._follower._tool.R_base_tool)
         turned = max(turned, float(np.linalg.norm(error)))
     q = np.array(robot.sample().joints)
     assert getattr(robot.control, "failures", 0) == 0

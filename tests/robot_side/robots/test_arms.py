@@ -64,11 +64,11 @@ def test_every_arm_rests_without_creeping_and_follows(robot):
         robot.step(Twist(), DT)
     assert np.linalg.norm(np.array(robot.sample().position) - start) < 5e-6
     velocity, most = (0.0, 0.15, 0.1), robot.arm.max_acceleration * DT
-    before = robot._commanded
+    before = robot._follower.commanded
     for _ in range(300):
         robot.step(Twist(velocity), DT)
-        assert np.all(np.abs(robot._commanded - before) <= most + 1e-9)
-        before = robot._commanded
+        assert np.all(np.abs(robot._follower.commanded - before) <= most + 1e-9)
+        before = robot._follower.commanded
     assert robot.sample().velocity == pytest.approx(velocity, abs=1.5e-3)
     moved = np.array(robot.sample().position) - start
     along = np.array(velocity) / np.linalg.norm(velocity)

@@ -1,6 +1,7 @@
 """Campaigns: they go on where they stopped, outlive crashes, and give the same bytes however they are run."""
 
 import errno
+import io
 import json
 import multiprocessing
 import os
@@ -9,9 +10,11 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import pytest
+from rich.console import Console
 
 from farhand.cli import run
 from farhand.common.errors import InputError
@@ -19,6 +22,7 @@ from farhand.laboratory.campaigns import jobs as jobs_module
 from farhand.laboratory.campaigns.campaign import run_campaign
 from farhand.laboratory.campaigns.jobs import Job, run_job
 from farhand.laboratory.campaigns.pools import LocalPool
+from farhand.laboratory.campaigns.run_table1 import _tell_the_file
 from farhand.laboratory.campaigns.store import CAMPAIGN, ROWS, Store
 from farhand.laboratory.campaigns.table1 import Table1, cells
 from tests.examples import also
@@ -216,3 +220,13 @@ def test_a_signal_to_the_group_ends_a_campaign_in_one_line(tmp_path, number):
     kept = len(rows.read_text().splitlines())
     assert f"interrupted: {kept} of 480 runs are kept in" in " ".join(out.split())
     assert len((tmp_path / "tasks.csv").read_text().splitlines()) == kept + 1
+
+
+def test_a_log_is_told_now_and_then_how_far_a_long_campaign_is():
+    said = io.StringIO()
+    for done in range(21, 201):
+        task = SimpleNamespace(total=200, completed=done, elapsed=3.0 * (done - 20))
+        _tell_the_file(task, 20, "running", Console(file=said, width=200))
+    lines = said.getvalue().splitlines()
+    assert len(lines) == 44  # every fourth, but for the last
+    assert lines[0] == "running: 24 of 200, 0.2 min elapsed, 8.8 left"

@@ -1,0 +1,1 @@
+"""Bridges to other worlds, each a program's parts."""

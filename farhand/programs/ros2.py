@@ -1,0 +1,162 @@
+"""The program `farhand ros2`: a node of a ROS 2 graph, beside an operator's program or on the robot's side."""
+
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import zenoh
+
+from farhand.bridges.ros2.bridge import Bridge, Desk
+from farhand.bridges.ros2.desk import OperatorDesk, RobotDesk
+from farhand.bridges.ros2.node import RosNode
+from farhand.bridges.ros2.outward import Outward
+from farhand.bridges.ros2.playback import CLOCK, RunPlayback, kept_in
+from farhand.bridges.ros2.settings import Ros2Options as Ros2Options
+from farhand.bridges.ros2.types import Types
+from farhand.bridges.ros2.wire import SENSOR, check_namespace, node_name
+from farhand.common.link.zenoh_link import ZenohLink, open_session
+from farhand.common.messages.keys import (
+    camera_key,
+    check_robot_name,
+    description_key,
+    mirror_key,
+    report_key,
+    scene_key,
+    state_key,
+)
+from farhand.common.process.security import Access, local_only, secure
+from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
+from farhand.common.process.teller import Teller
+from farhand.common.recording.place import recording_at
+from farhand.common.recording.reader import read_run
+from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.loop import RealtimeLoop
+from farhand.programs.sessions import random_session
+
+SWITCH_INTERVAL = 0.0005
+"""How long the thread that draws may keep the loop's from running (s)."""
+
+
+def ros2_program(options: Ros2Options) -> int:
+    """Run until it is told to end; returns 0. Raises InputError."""
+    types = Types(options.distro)
+    secure(Access(connect=(options.router,)), lambda line: say("ros2", line))
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    stop_event, clock = stop_event_on_signals(), SystemClock()
+    with ExitStack() as closing:
+        teller = Teller("ros2")
+        closing.callback(teller.close)
+        if options.run is not None:
+            _play(options.run, options, types, clock, stop_event, closing)
+        else:
+            _bridge(options, types, clock, stop_event, closing, teller.say)
+    return 0
+
+
+def _bridge(
+    options: Ros2Options,
+    types: Types,
+    clock: SystemClock,
+    stop_event: threading.Event,
+    closing: ExitStack,
+    tell: Callable[[str], None],
+) -> None:
+    """A running robot, until `stop_event` is set."""
+    robot = check_robot_name(options.robot)
+    connect = _connect(options)
+    wakes: list[Callable[[], None]] = []
+    node = _node(robot, options, types, clock, closing, lambda: _wake(wakes))
+    session = open_session([connect])
+    link = ZenohLink(session, _keys(robot, options.side), clock, lambda: _wake(wakes))
+    closing.callback(link.close)
+    desk: Desk = OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect)
+    bridge = Bridge(options, node, link, desk, clock, random_session, tell)
+    states = _states(session, robot, options, bridge.outward, clock)
+    closing.callback(states.undeclare)
+    loop = RealtimeLoop(
+        bridge.node,
+        clock,
+        message_driven=True,
+        realtime=options.realtime,
+        until=lambda _: stop_event.is_set(),
+    )
+    loop.after.append(bridge.look)
+    wakes.append(loop.notify)
+    PeerWatch("ros2", connect, link.connected, stop_event)
+    tell(f"{_where(node, options)}; robot {robot!r} at {connect}; Ctrl-C ends it")
+    loop.run()
+    bridge.close(clock.now_ns())
+
+
+def _play(
+    run: Path,
+    options: Ros2Options,
+    types: Types,
+    clock: SystemClock,
+    stop_event: threading.Event,
+    closing: ExitStack,
+) -> None:
+    """A recorded run to its end, or until `stop_event` is set."""
+    found = read_run(recording_at(run))
+    node = _node(check_robot_name(found.info.robot), options, types, clock, closing, lambda: None)
+    outward = Outward(node, found.info.robot, found.info.epoch_ns, lambda: kept_in(found.info))
+    closing.callback(outward.close)
+    ticking = node.publisher("/clock", CLOCK, SENSOR)
+    playback = RunPlayback(iter(found.ticks), found.info, outward, ticking, types, options.speed)
+    say("ros2", f"{_where(node, options)}; plays {run}, {options.speed:g} times as fast; Ctrl-C ends it")
+    over = RealtimeLoop(playback, clock, realtime=False, until=lambda _: stop_event.is_set() or playback.over)
+    over.run()
+
+
+def _node(
+    robot: str,
+    options: Ros2Options,
+    types: Types,
+    clock: SystemClock,
+    closing: ExitStack,
+    wake: Callable[[], None],
+) -> RosNode:
+    """The node at its router, until `closing`; raises InputError where there is no router."""
+    ros = open_session([options.router], mode="client", extra=[("timestamping/enabled", True)])
+    closing.callback(ros.close)
+    name, namespace = node_name(robot), check_namespace(options.namespace)
+    return RosNode(ros, types, clock, domain=options.domain, namespace=namespace, name=name, wake=wake)
+
+
+def _where(node: RosNode, options: Ros2Options) -> str:
+    return f"node {node.namespace}/{node.name} of domain {node.domain} ({options.distro}) at {options.router}"
+
+
+def _states(
+    session: zenoh.Session, robot: str, options: Ros2Options, outward: Outward, clock: SystemClock
+) -> "zenoh.Subscriber[None]":
+    """Hand states on where they arrive, in Zenoh's thread: there may be five hundred a second."""
+
+    def take(sample: zenoh.Sample) -> None:
+        if sample.kind == zenoh.SampleKind.PUT:
+            outward.take_state(sample.payload.to_bytes(), clock.now_ns())
+
+    key = mirror_key(robot, "state") if options.steers else state_key(robot)
+    return session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
+
+
+def _wake(wakes: Sequence[Callable[[], None]]) -> None:
+    for wake in wakes:
+        wake()
+
+
+def _connect(options: Ros2Options) -> str:
+    """Where the robot is heard: an operator's reports never leave its host, a robot may be another one's."""
+    if options.steers:
+        return local_only(options.connect, "--connect")
+    secure(Access(connect=(options.connect,)), lambda line: say("ros2", line))
+    return options.connect
+
+
+def _keys(robot: str, side: str) -> list[str]:
+    if side == "robot":
+        return [scene_key(robot), description_key(robot), camera_key(robot)]
+    mirrored = ("scene", "description", "command", "camera")
+    return [report_key(robot), *(mirror_key(robot, kind) for kind in mirrored)]

@@ -1,0 +1,1 @@
+"""A real UR arm's site tools: what is wrong with it, and how it is brought back."""

@@ -1,0 +1,62 @@
+"""What the command line asks for: which board; raises InputError in one line."""
+
+from collections.abc import Callable
+
+from farhand.common.errors import InputError
+from farhand.trials.leaderboard.board import Board
+from farhand.trials.leaderboard.method import METHODS, method_named
+from farhand.trials.leaderboard.networks import networks_named
+from farhand.trials.leaderboard.operators import OPERATORS
+from farhand.trials.leaderboard.scenes import SCENES
+
+TASKS = 40
+QUICK_TASKS = 2
+QUICK_NETWORKS = ("none", "constant", "bursty-loss-20", "outages-2s")
+
+
+def chosen_board(  # noqa: PLR0913 (an option each)
+    *,
+    quick: bool = False,
+    tasks: int | None = None,
+    networks: list[str] | None = None,
+    scenes: str = "",
+    methods: str = "",
+    operators: str = "",
+    seed: int = 1,
+    only: int | None = None,
+) -> Board:
+    """The board; what is left open is all there is, or what a quick one has."""
+    if networks is None and quick:
+        networks = [",".join(QUICK_NETWORKS)]
+    board = Board(
+        tasks=tasks or (QUICK_TASKS if quick else TASKS),
+        seed=seed,
+        scenes=_named("--scenes", scenes, tuple(SCENES)),
+        methods=_methods(methods),
+        operators=_named("--operators", operators, tuple(OPERATORS)),
+        only=only,
+        **({} if networks is None else {"networks": networks_named(networks)}),
+    )
+    return board
+
+
+def _named(
+    option: str, text: str, known: tuple[str, ...], fits: Callable[[str], bool] | None = None
+) -> tuple[str, ...]:
+    """Names with commas between, in the given order, each once; nothing is all of them."""
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+    if not names and not text:
+        return known
+    for name in names:
+        if name not in known and not (fits is not None and fits(name)):
+            raise InputError(f"{option} {name!r}: must be some of {', '.join(known)}")
+    if not names:
+        raise InputError(f"{option} {text!r}: names none of {', '.join(known)}")
+    return names
+
+
+def _methods(text: str) -> tuple[str, ...]:
+    names = _named("--methods", text, METHODS.names(), lambda name: ":" in name)
+    for name in names:
+        method_named(name)
+    return names

@@ -1,0 +1,109 @@
+"""What competes: settings of both sides, and the kinds that they name."""
+
+import hashlib
+import importlib
+import inspect
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+from farhand.common.errors import InputError, in_one_line
+from farhand.common.kinds import Kinds
+from farhand.operator_side.control.registry import CONTROLLERS
+from farhand.operator_side.margins.registry import MARGINS
+from farhand.operator_side.prediction.registry import PREDICTORS
+from farhand.operator_side.steering.registry import DEVICES
+from farhand.runs.scenario import Scenario, replace_settings
+
+_GROUPS: dict[str, Kinds[Any]] = {
+    "margins": MARGINS,
+    "predictors": PREDICTORS,
+    "controllers": CONTROLLERS,
+    "devices": DEVICES,
+}
+
+
+class Method:
+    """A method. One small file and an entry point in `farhand.methods`, or `module:Class` where methods are named.
+
+    Attributes:
+        says: what it is, in one line.
+        source: of its equations.
+        settings: of the scenario, e.g. {"margin.kind": "mine", "guard.on": False}.
+        margins, predictors, controllers, devices: kinds of its own by name, for `settings` to name.
+    """
+
+    says: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+    settings: ClassVar[Mapping[str, object]] = {}
+    margins: ClassVar[Mapping[str, type]] = {}
+    predictors: ClassVar[Mapping[str, type]] = {}
+    controllers: ClassVar[Mapping[str, type]] = {}
+    devices: ClassVar[Mapping[str, type]] = {}
+
+    def settings_for(self, scenario: Scenario) -> Mapping[str, object]:
+        """The settings for one scenario: the task, its robot, and who steers are in it already."""
+        return self.settings
+
+    def applied_to(self, scenario: Scenario) -> Scenario:
+        """The scenario as this method does it; raises InputError."""
+        for group, kinds in _GROUPS.items():
+            for name, kind in getattr(self, group).items():
+                if name not in kinds or kinds.get(name) is not kind:
+                    kinds.add(name, kind)
+        return replace_settings(scenario, self.settings_for(scenario))
+
+
+_HERE = "farhand.trials.leaderboard.methods:"
+METHODS: Kinds[type[Method]] = Kinds(
+    "method",
+    "farhand.methods",
+    "farhand.trials.leaderboard.method:Method",
+    {
+        "nothing": _HERE + "Nothing",
+        "paper": _HERE + "Paper",
+        "ours": _HERE + "Ours",
+        "guard": _HERE + "Guard",
+        "both": _HERE + "Both",
+        "mpc-distance": _HERE + "DistanceMpc",
+        "one-step": _HERE + "OneStepBarrier",
+        "worst-case": _HERE + "WorstCase",
+        "known-delay": _HERE + "KnownDelayBarrier",
+        "speed-scaling": _HERE + "SpeedScaling",
+    },
+)
+"""In the order of the table."""
+
+
+def method_named(name: str) -> Method:
+    """A method by its name, or by `module:Class`; raises InputError."""
+    kind = _imported(name) if ":" in name else METHODS.get(name, "--methods")
+    try:
+        return kind()
+    except Exception as error:
+        raise InputError(f"--methods {name!r}: cannot be used: {in_one_line(error)}") from None
+
+
+def code_of(name: str) -> str:
+    """A digest of the file that a method from outside is in, so that rows of another version are not taken for its
+    own; empty for those built in, whose code the campaign's own digest holds."""
+    if ":" not in name and not METHODS.is_outside(name):
+        return ""
+    path = inspect.getsourcefile(type(method_named(name)))
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:8] if path else "?"
+
+
+def _imported(name: str) -> type[Method]:
+    module, _, attribute = name.partition(":")
+    if "" not in sys.path and str(Path.cwd()) not in sys.path:
+        sys.path.insert(0, str(Path.cwd()))  # as `python -m` has it: the file lies where one works
+    try:
+        found = getattr(importlib.import_module(module), attribute)
+    except (Exception, SystemExit) as error:  # whatever a stranger's module does at import
+        raise InputError(
+            f"--methods {name!r}: cannot be imported: {type(error).__name__}: {error}; expected module:Class"
+        ) from None
+    if not (isinstance(found, type) and issubclass(found, Method)):
+        raise InputError(f"--methods {name!r}: is no subclass of farhand.Method")
+    return found

@@ -1,0 +1,123 @@
+"""One run of the leaderboard in virtual time, and its row."""
+
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+
+from farhand.common.messages.base import Vector3
+from farhand.common.messages.report import ControlReport
+from farhand.laboratory.campaigns.jobs import DIGEST_DIGITS
+from farhand.laboratory.simulation import SimulationResult
+from farhand.runs.run import Run
+from farhand.runs.scenario import scenario_from_table
+from farhand.runs.why import INTERRUPTED
+from farhand.trials.leaderboard.method import method_named
+from farhand.trials.leaderboard.operators import OPERATORS
+from farhand.trials.leaderboard.rows import Row, Spec, lost
+from farhand.trials.leaderboard.smoothness import spectral_arc_length
+from farhand.trials.leaderboard.witness import SPEED_RATE_HZ, Seen, watched
+
+PATIENCE, SPARE = 4.0, 20.0
+"""A run may take so many times as long as the ideal operator's, and so many seconds more."""
+STUCK = "stood still for 20 s: given up"
+CHANGED = 0.02
+"""The operator's side changed the wish where it commands a velocity that differs by more (m/s)."""
+
+
+def run_all(specs: list[Spec]) -> list[Row]:
+    """A chunk of runs, as sent to a worker."""
+    return [run_one(spec) for spec in specs]
+
+
+def run_one(spec: Spec) -> Row:
+    """Run it; what raises becomes a row with `error`."""
+    try:
+        return witnessed(spec)
+    except Exception as error:  # a campaign of thousands must outlive one crash; the row names its seed
+        return lost(spec, f"{type(error).__name__}: {error}")
+
+
+def run_of(spec: Spec) -> Run:
+    """What is simulated; raises InputError."""
+    scenario = scenario_from_table(spec.task.scenario, f"task {spec.task.key}")
+    scenario = OPERATORS[spec.operator].applied_to(scenario, spec.seed)
+    scenario = method_named(spec.method).applied_to(scenario)
+    limit = PATIENCE * (spec.task.duration or 0.0) + SPARE
+    return msgspec.structs.replace(Run.over(scenario, spec.spec, seed=spec.seed), time_limit=limit)
+
+
+def witnessed(spec: Spec) -> Row:
+    """The row of a run; raises what it raises."""
+    run = run_of(spec)
+    gives_up = OPERATORS[spec.operator].finishes
+    result, seen = watched(run, gives_up=gives_up, keep_reports=True, digest=True)
+    return _row(spec, result, seen, run.scenario.controller.speed_limit)
+
+
+def _row(spec: Spec, result: SimulationResult, seen: Seen, limit: Vector3) -> Row:
+    summary = result.summary
+    body = seen.body
+    safe = bool(summary.driven) and not body.count
+    stuck = summary.why == INTERRUPTED
+    share, strength = _filtered(result.reports, limit)
+    robot = summary.counts.robot
+    guarded = robot.guard_seconds if robot is not None else 0.0
+    return Row(
+        key=spec.key,
+        network=spec.network,
+        scene=spec.scene,
+        method=spec.method,
+        operator=spec.operator,
+        index=spec.index,
+        seed=spec.seed,
+        success=safe and (summary.finished or not OPERATORS[spec.operator].finishes),
+        safe=safe,
+        finished=summary.finished,
+        violations=body.count,
+        violation_depth=body.depth,
+        violation_seconds=body.seconds,
+        min_clearance=body.nearest,
+        min_tool_clearance=seen.tool.nearest,
+        duration=summary.duration,
+        ideal_duration=spec.task.duration,
+        path_length=summary.path_length,
+        ideal_path=spec.task.path_length,
+        filtered_share=share,
+        filtered_strength=strength,
+        guard_share=guarded / summary.duration if summary.duration > 0.0 else 0.0,
+        guard_strength=_guarded(result.reports),
+        stops=summary.stops,
+        infeasible=summary.infeasible,
+        refused=summary.refused,
+        smoothness=spectral_arc_length(seen.speeds, SPEED_RATE_HZ),
+        rtt_mean=summary.rtt_mean,
+        digest=result.digest[:DIGEST_DIGITS],
+        why=STUCK
+        if stuck
+        else summary.why
+        if not summary.finished and OPERATORS[spec.operator].finishes
+        else "",
+    )
+
+
+def _filtered(reports: Sequence[ControlReport], limit: Vector3) -> tuple[float, float]:
+    """Share of the ticks of motion in which the wish was changed, and the changes over the wishes.
+
+    Args:
+        reports: of all ticks.
+        limit: of the speed in each axis (m/s): what is beyond it, no method can do.
+    """
+    driven = [report for report in reports if report.mode == "run"]
+    if not driven:
+        return 0.0, 0.0
+    desired = np.clip([report.desired for report in driven], -np.array(limit), np.array(limit))
+    changes = np.linalg.norm(desired - np.array([report.filtered for report in driven]), axis=1)
+    wishes = float(np.linalg.norm(desired, axis=1).sum())
+    return float(np.mean(changes > CHANGED)), float(changes.sum()) / wishes if wishes else 0.0
+
+
+def _guarded(reports: Sequence[ControlReport]) -> float | None:
+    """By how much the guard on the robot changed the speed, mean over the ticks that report it (m/s)."""
+    changes = [abs(r.guard.asked - r.guard.done) for r in reports if r.guard is not None]
+    return sum(changes) / len(changes) if changes else None

@@ -1,0 +1,159 @@
+"""The table as people read it in a terminal and in Markdown."""
+
+from collections.abc import Sequence
+
+from rich.table import Table
+
+from farhand.trials.leaderboard.board import command_of
+from farhand.trials.leaderboard.cells import Cell, cells_by
+from farhand.trials.leaderboard.posing import Posed
+from farhand.trials.leaderboard.rows import Row
+
+NOTE = (
+    "safe: no part of the robot nearer than d_min; done: safe, and every target reached. Clopper-Pearson, 95 %. "
+    "time: median over the ideal, undelayed operator's on the same task."
+)
+
+
+def percent(share: float | None) -> str:
+    """A rate of which 100 % means all of them, and 0 none."""
+    if share is None:
+        return "–"
+    text = f"{100.0 * share:.1f}" if 0.99 < share < 1.0 or 0.0 < share < 0.01 else f"{100.0 * share:.0f}"
+    return "99.9" if text == "100.0" else "0.1" if text == "0.0" else text
+
+
+def millimetres(length: float | None) -> str:
+    """A length in m as mm; a dash for nothing."""
+    if length is None:
+        return "–"
+    return f"{length * 1e3:.1f}" if 0.0 < abs(length) < 1e-3 else f"{length * 1e3:.0f}"
+
+
+def by_method(rows: Sequence[Row]) -> Table:
+    """A line a method and operator."""
+    table = Table(caption=NOTE, caption_justify="left", caption_style="")
+    for name in ("operator", "method"):
+        table.add_column(name, no_wrap=True)
+    for name in ("runs", "safe %", "done %", "deepest mm", "least mm", "time", "stops"):
+        table.add_column(name, justify="right")
+    shown = ""
+    for (operator, method), cell in cells_by(rows, lambda row: (row.operator, row.method)).items():
+        if shown and operator != shown:
+            table.add_section()
+        table.add_row("" if operator == shown else operator, method, *_figures(cell))
+        shown = operator
+    return table
+
+
+def by_scene(rows: Sequence[Row], measure: str = "safe") -> Table:
+    """A line a method, a column a scene: how many of the runs were safe, in %."""
+    table = Table(title=f"{measure}, % of the runs", title_justify="left", title_style="")
+    scenes = list(dict.fromkeys(row.scene for row in rows))
+    table.add_column("method", no_wrap=True)
+    for scene in scenes:
+        table.add_column(scene.replace("movers-", "m "), justify="right")
+    cells = cells_by(rows, lambda row: (row.method, row.scene))
+    for method in dict.fromkeys(row.method for row in rows):
+        found = [cells.get((method, scene)) for scene in scenes]
+        table.add_row(
+            method,
+            *(
+                "–" if c is None else percent(c.safe_rate if measure == "safe" else c.success_rate)
+                for c in found
+            ),
+        )
+    return table
+
+
+def redrawn(posed: Sequence[Posed]) -> str:
+    """How many draws were thrown away, scene by scene, in one line."""
+    words = []
+    for scene in dict.fromkeys(task.scene for task in posed):
+        own = [task for task in posed if task.scene == scene and not task.error]
+        unfit, undoable = sum(task.unfit for task in own), sum(task.undoable for task in own)
+        if unfit or undoable:
+            words.append(f"{scene} {unfit} and {undoable} for {len(own)}")
+    return "; ".join(words) or "none"
+
+
+def to_markdown(rows: Sequence[Row], posed: Sequence[Posed], command: str) -> str:
+    """The table for documents, with the command that made it."""
+    lines = [
+        f"    {command}",
+        "",
+        "| operator | method | runs | safe % (95 %) | done % (95 %) | violations | deepest mm | ",
+    ]
+    lines[-1] += "least mm | time | path | filtered % | guard % | stops | smoothness |"
+    lines.append("|" + "---|" * 14)
+    for (operator, method), c in cells_by(rows, lambda row: (row.operator, row.method)).items():
+        lines.append("| " + " | ".join([operator, method, *_long(c)]) + " |")
+    scenes = list(dict.fromkeys(row.scene for row in rows))
+    lines += [
+        "",
+        "Safe runs by scene, %:",
+        "",
+        "| method | " + " | ".join(scenes) + " |",
+        "|" + "---|" * (1 + len(scenes)),
+    ]
+    cells = cells_by(rows, lambda row: (row.method, row.scene))
+    for method in dict.fromkeys(row.method for row in rows):
+        found = [cells.get((method, scene)) for scene in scenes]
+        texts = ["–" if c is None else f"{percent(c.safe_rate)} ({c.safe}/{c.runs})" for c in found]
+        lines.append(f"| {method} | " + " | ".join(texts) + " |")
+    crashed = [row for row in rows if row.error]
+    lines += ["", "The deepest violation of each method, and how to have it again:", "", *_worst(rows, posed)]
+    lines += ["", NOTE, f"Draws thrown away (unfit and undoable, for so many tasks): {redrawn(posed)}."]
+    if crashed:
+        lines.append(f"{len(crashed)} runs crashed.")
+    return "\n".join(lines) + "\n"
+
+
+def _worst(rows: Sequence[Row], posed: Sequence[Posed]) -> list[str]:
+    seed = posed[0].seed if posed else 0
+    lines = []
+    for method, cell in cells_by(rows, lambda row: row.method).items():
+        worst = cell.worst
+        if worst is None or not worst.violations:
+            lines.append(f"- {method}: none in {cell.runs} runs")
+        else:
+            depth = f"{1e3 * worst.violation_depth:.1f}"
+            lines.append(
+                f"- {method}: {depth} mm for {worst.violation_seconds:.2f} s: `{command_of(worst, seed)}`"
+            )
+    return lines
+
+
+def _figures(cell: Cell) -> tuple[str, ...]:
+    return (
+        str(cell.runs),
+        percent(cell.safe_rate),
+        percent(cell.success_rate),
+        millimetres(cell.depth) if cell.violations else "–",
+        millimetres(cell.least),
+        "–" if cell.time is None else f"{cell.time:.2f}",
+        f"{cell.stops:.1f}",
+    )
+
+
+def _long(c: Cell) -> list[str]:
+    def rate(share: float | None, low: float, high: float) -> str:
+        return f"{percent(share)} ({100 * low:.1f}–{100 * high:.1f})"
+
+    def plain(value: float | None, digits: int = 2) -> str:
+        return "–" if value is None else f"{value:.{digits}f}"
+
+    return [
+        str(c.runs),
+        rate(c.safe_rate, c.safe_low, c.safe_high),
+        rate(c.success_rate, c.success_low, c.success_high),
+        str(c.violations),
+        millimetres(c.depth) if c.violations else "–",
+        millimetres(c.least),
+        plain(c.time),
+        plain(c.path),
+        f"{100 * c.filtered:.0f}",
+        f"{100 * c.guarded:.0f}",
+        plain(c.stops, 1),
+        plain(c.smoothness),
+    ]

@@ -1,0 +1,192 @@
+"""The truth about a run, measured beside the robot at every tick, by exact shapes and by nobody's word."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from farhand.common.geometry import Array, Twist, distance
+from farhand.common.messages.intervention import Intervention
+from farhand.common.messages.scene import Obstacle
+from farhand.laboratory.simulation import SimulationResult, simulate_run
+from farhand.robot_side.arm.model import model
+from farhand.robot_side.robots.registry import make_robot
+from farhand.robot_side.robots.robot import Robot, RobotSample
+from farhand.robot_side.safety.guard.arm_guard import body_of
+from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
+from farhand.robot_side.scene.surroundings import Surroundings
+from farhand.runs.run import Run
+from farhand.runs.scenario import Scenario
+from farhand.trials.safety.arm_run import Judge
+
+ARM_EVERY = 5
+"""Ticks of an arm between two measurements of all its links (10 ms)."""
+SPEED_RATE_HZ = 100.0
+STILL, LONG = 0.02, 20.0
+"""A robot that has not left a ball of this radius (m) for so long (s) stands."""
+
+
+@dataclass
+class Violations:
+    """Times below a limit.
+
+    Attributes:
+        limit: of the distance (m).
+        nearest: least distance (m); 1e6 with nothing near.
+        count: how often it fell below the limit.
+        seconds: for how long in all (s).
+    """
+
+    limit: float
+    nearest: float = NOTHING_NEAR
+    count: int = 0
+    seconds: float = 0.0
+    _below: bool = False
+
+    def look(self, distance: float, dt: float) -> None:
+        """A distance (m) that held for `dt` s."""
+        self.nearest = min(self.nearest, distance)
+        below = distance < self.limit
+        self.count += below and not self._below
+        self.seconds += dt * below
+        self._below = below
+
+    @property
+    def depth(self) -> float:
+        """How far below the limit it got (m); 0: never."""
+        return max(0.0, self.limit - self.nearest)
+
+
+@dataclass
+class Seen:
+    """Attributes:
+    tool: of the sphere around the tool, which is all of a robot without links.
+    links: of an arm's, by the hulls of their meshes; None for a robot without any.
+    speeds: of the tool at 100 Hz (m/s).
+    """
+
+    tool: Violations
+    links: Violations | None = None
+    speeds: list[float] = field(default_factory=list)
+
+    @property
+    def body(self) -> Violations:
+        """Of all that the robot is."""
+        return self.tool if self.links is None else self.links
+
+
+class Witness(Robot):
+    """A robot that does what another one does, and measures it.
+
+    Args:
+        robot: the one that moves; whoever made it closes it.
+        scenario: with what is around it.
+
+    Attributes:
+        seen: what is true so far.
+        stands: whether it has not got anywhere for long.
+    """
+
+    @classmethod
+    def for_scenario(cls, scenario: object) -> "Witness":
+        """It needs a robot that is there already."""
+        raise NotImplementedError
+
+    def __init__(self, robot: Robot, scenario: Scenario) -> None:
+        self._robot = robot
+        self.joint_names, self.model = robot.joint_names, robot.model
+        self.catches_up, self.guards_itself = robot.catches_up, robot.guards_itself
+        self._field = ObstacleField(scenario.obstacles, 0)
+        self._radius = scenario.robot.radius
+        self._ticks = 0
+        self._sample = robot.sample()
+        self._place, self._since = self._sample.position, 0.0
+        self.stands = False
+        self.seen = Seen(Violations(scenario.controller.d_min))
+        self._judge: Judge | None = None
+        name = scenario.robot.known_model if scenario.robot.kind in ("arm", "ur5") else ""
+        if name:
+            arm = model(name)
+            d_min = scenario.controller.d_min
+            self._judge = Judge(arm, body_of(arm, 0.0), scenario.obstacles, d_min)
+            self.seen.links = Violations(d_min)
+        rate_hz = scenario.robot.rate_hz
+        self._every = max(1, round(rate_hz / SPEED_RATE_HZ))
+
+    def sample(self) -> RobotSample:
+        """See Robot."""
+        self._sample = self._robot.sample()
+        return self._sample
+
+    def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
+        """See Robot."""
+        self._look(dt)
+        self._robot.step(twist, dt, surroundings)
+
+    def halt(self, dt: float) -> None:
+        """See Robot."""
+        self._look(dt)
+        self._robot.halt(dt)
+
+    def intervention(self) -> Intervention | None:
+        """See Robot."""
+        return self._robot.intervention()
+
+    def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
+        """See Robot."""
+        return self._robot.arm_clearance(obstacles)
+
+    def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
+        """See Robot."""
+        return self._robot.nearest_part(obstacles)
+
+    def held_by(self) -> str:
+        """See Robot."""
+        return self._robot.held_by()
+
+    def _look(self, dt: float) -> None:
+        """Measure what is true at the beginning of a tick."""
+        tick, sample, seen = self._ticks, self._sample, self.seen
+        self._ticks += 1
+        now_ns = round(tick * dt * 1e9)
+        seen.tool.look(self._field.clearance(sample.position, self._radius, now_ns), dt)
+        if tick % self._every == 0:
+            seen.speeds.append(float(np.linalg.norm(sample.velocity)))
+            if distance(sample.position, self._place) > STILL:
+                self._place, self._since = sample.position, tick * dt
+            self.stands = tick * dt - self._since > LONG
+        if seen.links is not None and tick % ARM_EVERY == 0:
+            seen.links.look(self._links(np.array(sample.joints), now_ns), ARM_EVERY * dt)
+
+    def _links(self, q: Array, now_ns: int) -> float:
+        """Least distance of any link now (m), by meshes where it is near."""
+        judge = self._judge
+        assert judge is not None
+        judge.nearest, judge.nearest_self = NOTHING_NEAR, NOTHING_NEAR
+        judge.look(q, self._field.table(now_ns), now_ns * 1e-9)
+        return judge.nearest
+
+
+def watched(
+    run: Run, *, gives_up: bool, keep_reports: bool = False, digest: bool = False
+) -> tuple[SimulationResult, Seen]:
+    """Do a run in virtual time under a witness.
+
+    Args:
+        run: what to do.
+        gives_up: whether it ends where the robot has not got anywhere for long.
+        keep_reports, digest: see simulate.
+    """
+    robot = make_robot(run.scenario)
+    try:
+        witness = Witness(robot, run.scenario)
+        result = simulate_run(
+            run,
+            robot=witness,
+            stop=lambda: gives_up and witness.stands,
+            keep_reports=keep_reports,
+            digest=digest,
+        )
+    finally:
+        robot.close()
+    return result, witness.seen

@@ -1,0 +1,1 @@
+"""What breaks around a UR arm: each fault once, in the emulator, while the arm moves."""

@@ -1,0 +1,177 @@
+"""The task of the demo with the emulated arm: in real time by real programs, and beside the simulated arm.
+
+Beside it in virtual time, where the network and the operator repeat: what two arms differ by is the arms' alone.
+"""
+
+import json
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from farhand.common.geometry import Array
+from farhand.common.link.ports import free_ports
+from farhand.common.process.console import page, whole
+from farhand.common.process.signals import say
+from farhand.laboratory.simulation import simulate
+from farhand.robot_side.robots.pybullet_arm import ArmRobot
+from farhand.runs.scenario import Scenario, load_scenario, replace_setting
+from farhand.trials.ur.lockstep import LockstepUr
+from farhand.trials.ur.rig import Rig
+
+NETWORKS = ("5g-urban", "uniform:50,200", "bursty-loss-20")
+SCENARIO = "ur5-obstacle"
+ALIKE = 0.002
+"""m, that the two paths may be apart."""
+MOST_OVERRUNS = 1e-3
+CLEAR = 0.01
+"""m, that the tool keeps."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drive:
+    """Attributes:
+    network: between operator and robot.
+    finished: whether all targets were reached.
+    clearance: least, of the tool's sphere (m).
+    arm_clearance: least, of the whole arm (m).
+    apart, apart_driven: how far the path is from the simulated arm's: see `apart_in_lockstep` (m).
+    overruns: share of the robot's periods that were missed.
+    """
+
+    network: str
+    finished: bool
+    clearance: float
+    arm_clearance: float
+    apart: float
+    apart_driven: float
+    overruns: float
+
+    @property
+    def good(self) -> bool:
+        """Whether it is as good as the simulated arm's."""
+        safe = self.clearance >= CLEAR and self.arm_clearance >= CLEAR
+        return self.finished and safe and self.apart <= ALIKE and self.overruns < MOST_OVERRUNS
+
+
+def apart(path: Array, other: Array) -> float:
+    """The farthest that a place of `path` (n, 3) is from the polyline `other` (m, 3), m."""
+    starts, steps = other[:-1], np.diff(other, axis=0)
+    lengths = np.maximum((steps * steps).sum(axis=1), 1e-18)
+    farthest = 0.0
+    for place in path:
+        along = np.clip(((place - starts) * steps).sum(axis=1) / lengths, 0.0, 1.0)
+        farthest = max(farthest, float(np.linalg.norm(starts + along[:, None] * steps - place, axis=1).min()))
+    return farthest
+
+
+def drive(rig: Rig, network: str, folder: Path) -> tuple[bool, dict[str, Any]]:
+    """Operator, network and robot until the task is over; whether it was finished, and the robot's result."""
+    operator_port, robot_port = free_ports(2)
+    near, far = (f"tcp/127.0.0.1:{port}" for port in (operator_port, robot_port))
+    words = ("--network", network, "--seed", "1", "--listen-operator", near, "--listen-robot", far)
+    rig.start_beside("netem", "netem", *words)
+    result = folder / "robot.json"
+    rig.endpoint = far
+    rig.start_robot(connects=True, result=result)
+    code = rig.farhand(
+        "operator", "--robot", "ur", "--connect", near, "--time-limit", "120", "--scenario", SCENARIO
+    )
+    rig.interrupt("robot")
+    rig.interrupt("netem")
+    found: dict[str, Any] = json.loads(result.read_text())
+    return code == 0, found
+
+
+def apart_in_lockstep(network: str, rate_hz: float, seed: int = 1) -> tuple[float, float]:
+    """How far the paths of the emulated and of the simulated tool are apart (m), in virtual time.
+
+    The first, where both are asked for the very same twists; the second, where each is driven by an operator of its
+    own over the same network: where a target counts as reached a tick earlier, the operator turns earlier.
+    """
+    scenario = replace_setting(load_scenario(SCENARIO), "robot.rate_hz", rate_hz)
+    simulated = places(simulate(scenario, network=network, seed=seed).trajectory)
+    arm = LockstepUr(scenario)
+    try:
+        emulated = places(simulate(scenario, network=network, seed=seed, robot=arm).trajectory)
+    finally:
+        arm.close()
+    followed = _followed(scenario, arm, 1.0 / rate_hz)
+    alike = max(apart(followed, emulated), apart(emulated, followed))
+    return alike, max(apart(simulated, emulated), apart(emulated, simulated))
+
+
+def places(trajectory: Sequence[Sequence[float]]) -> Array:
+    """(n, 3) places of the tool (m) in a trajectory."""
+    return np.array(trajectory)[:, 1:4]
+
+
+def _followed(scenario: Scenario, arm: LockstepUr, dt: float) -> Array:
+    """(n, 3) places of the simulated tool under what the other arm was asked for (m)."""
+    robot = ArmRobot(scenario)
+    try:
+        found = [robot.sample().position]
+        for asked in arm.asked:
+            if asked is None:
+                robot.halt(dt)
+            else:
+                robot.step(asked[0], dt, asked[1])
+            found.append(robot.sample().position)
+    finally:
+        robot.close()
+    return np.array(found[:: round(0.02 / dt)])
+
+
+def run_drives(address: str, rate_hz: float, networks: tuple[str, ...], as_json: bool) -> int:
+    """Drive over each of the networks; returns 0 where all are good, else 1."""
+    drives: list[Drive] = []
+    for network in networks or NETWORKS:
+        say("trial", network)
+        with tempfile.TemporaryDirectory(prefix="farhand-ur-") as folder:
+            rig = Rig(Path(folder), address, rate_hz, driven=False)
+            try:
+                finished, result = drive(rig, network, Path(folder))
+            finally:
+                rig.close()
+        alike, driven = apart_in_lockstep(network, rate_hz)
+        drives.append(
+            Drive(
+                network=network,
+                finished=finished,
+                clearance=result["min_clearance"],
+                arm_clearance=result["min_arm_clearance"],
+                apart=alike,
+                apart_driven=driven,
+                overruns=result["overruns"] / max(1, result["ticks"]),
+            )
+        )
+        say("trial", f"  {'good' if drives[-1].good else 'NOT GOOD'}")
+    _show(drives, rate_hz, as_json)
+    return 0 if all(each.good for each in drives) else 1
+
+
+def _show(drives: list[Drive], rate_hz: float, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps([asdict(each) for each in drives]))
+        return
+    table = Table(title=f"{SCENARIO}, the emulated arm at {rate_hz:g} Hz", title_justify="left")
+    for column in (
+        "network",
+        "finished",
+        "tool clear (mm)",
+        "arm clear (mm)",
+        "apart (mm)",
+        "apart driven (mm)",
+        "overruns",
+    ):
+        table.add_column(column)
+    for each in drives:
+        clear = f"{each.clearance * 1e3:.1f}", f"{each.arm_clearance * 1e3:.1f}", f"{each.apart * 1e3:.2f}"
+        driven = f"{each.apart_driven * 1e3:.2f}"
+        table.add_row(each.network, "yes" if each.finished else "NO", *clear, driven, f"{each.overruns:.3%}")
+    console = page()
+    console.print(whole(table, console))

@@ -1,0 +1,1 @@
+"""A real UR arm: its controller's protocols, the program that runs there, and what stops it."""

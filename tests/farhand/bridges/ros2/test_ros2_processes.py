@@ -1,0 +1,108 @@
+"""The real programs: an independent ROS 2 node drives a robot through the emulator, past an obstacle, to its target."""
+
+import json
+import math
+import queue
+import signal
+
+import pytest
+
+from farhand.common.link.ports import free_ports
+from farhand.testing import Programs, short_task
+from tests.farhand.bridges.ros2.peer import PATIENCE, Peer, Stream, router, twist
+
+pytestmark = pytest.mark.realtime
+TARGET = (0.5, 0.0, 0.5)
+OBSTACLE = '[[obstacles]]\nid = "post"\nposition = [0.25, 0.14, 0.5]\nradius = 0.06\n'
+SPEED = 0.15
+
+
+def tool(frames, newest=False):
+    """Where the tool is by the next message that says so (m)."""
+    while True:
+        for each in frames.get(timeout=PATIENCE).transforms:
+            if each.child_frame_id == "tool" and (not newest or frames.empty()):
+                at = each.transform.translation
+                return at.x, at.y, at.z
+
+
+def way(at):
+    """To the target, and how far it is (m)."""
+    rest = [to - here for to, here in zip(TARGET, at, strict=True)]
+    return rest, math.dist(TARGET, at)
+
+
+def test_twists_of_an_independent_node_drive_through_the_emulator_safe_and_to_the_end(tmp_path):
+    meeting, near, far, reports = free_ports(4)
+    scenario = short_task(tmp_path, (TARGET,), OBSTACLE)
+    results = {name: tmp_path / f"{name}.json" for name in ("robot", "operator")}
+    with router(meeting), Programs(tmp_path) as programs, Peer(meeting) as peer:
+        operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in (near, far, reports))
+        netem = programs.start("netem", "--network", "constant:200", "--listen-operator", operator_side,
+                               "--listen-robot", robot_side)  # fmt: skip
+        netem.wait_for("listens on")
+        robot = programs.start(
+            "robot", "--scenario", scenario, "--connect", robot_side, "--result", results["robot"]
+        )
+        operator = programs.start("operator", "--scenario", scenario, "--steer", "remote", "--connect", operator_side,
+                                  "--report", report, "--result", results["operator"])  # fmt: skip
+        bridge = programs.start("ros2", "--router", f"tcp/127.0.0.1:{meeting}", "--connect", report)
+        frames = peer.listen("/tf", "tf2_msgs/msg/TFMessage")
+        status = peer.listen("/farhand/ur5/status", "moveit_msgs/msg/ServoStatus")
+        markers = peer.listen("/farhand/ur5/markers", "visualization_msgs/msg/MarkerArray")
+        start = tool(frames)
+        publisher = peer.publisher("/farhand/ur5/delta_twist_cmds", "geometry_msgs/msg/TwistStamped")
+        stream = Stream(lambda wanted: publisher.publish(**wanted), twist(peer))
+        try:
+            _drive(peer, frames, stream)
+        finally:
+            stream.close()
+        assert way(start)[1] > 0.4
+        codes = set()
+        while not status.empty():
+            codes.add(status.get().code)
+        assert 0 in codes
+        assert "margin post" in {each.ns for _ in range(markers.qsize()) for each in markers.get().markers}
+        for each in (bridge, operator, robot, netem):
+            each.signal(signal.SIGINT)
+            each.wait()
+        assert bridge.process.returncode == 0
+        assert json.loads(results["operator"].read_text())["finished"]
+        assert json.loads(results["robot"].read_text())["min_clearance"] > 0.01
+
+
+def _drive(peer, frames, stream):
+    """Ahead to the target; where nothing moves for a while, let go and press anew, as a person does."""
+    rest, left = way(tool(frames))
+    best, waited = left, 0
+    for _ in range(20_000):
+        try:
+            rest, left = way(tool(frames, newest=True))
+        except queue.Empty:
+            pytest.fail("nothing is heard of the robot")
+        if left < 0.015:
+            stream.wanted = twist(peer)
+            return
+        waited = 0 if left < best - 0.002 else waited + 1
+        best = min(best, left)
+        held = waited % 100 >= 20 or waited == 0
+        gain = min(SPEED, left) / left if held else 0.0
+        stream.wanted = twist(peer, tuple(gain * each for each in rest))
+    pytest.fail(f"it stands {left:.3f} m before the target")
+
+
+def test_on_the_robots_side_it_tells_the_states_and_stops_the_robot_and_steers_nothing(tmp_path):
+    meeting, far = free_ports(2)
+    scenario = short_task(tmp_path)
+    with router(meeting), Programs(tmp_path) as programs, Peer(meeting) as peer:
+        robot_side = f"tcp/127.0.0.1:{far}"
+        programs.start("robot", "--scenario", scenario, "--listen", robot_side)
+        bridge = programs.start("ros2", "--side", "robot", "--router", f"tcp/127.0.0.1:{meeting}",
+                                "--connect", robot_side)  # fmt: skip
+        frames = peer.listen("/tf", "tf2_msgs/msg/TFMessage")
+        assert tool(frames) == pytest.approx((0.0, 0.0, 0.5))
+        kinds = [token.split("/")[5] for token in peer.tokens() if "%farhand%ur5" in token]
+        assert "MS" not in kinds
+        found = peer.call("/farhand/ur5/estop", "std_srvs/srv/Trigger")
+        assert found.success, found.message
+        assert bridge.interrupt(30) == 0

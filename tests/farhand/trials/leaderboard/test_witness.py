@@ -1,0 +1,88 @@
+"""What is measured is true: against a way whose clearance is known, and profiles whose smoothness is."""
+
+import math
+
+import numpy as np
+import pytest
+
+from farhand.common.geometry import STILL
+from farhand.robot_side.robots.robot import Robot, RobotSample
+from farhand.runs.scenario import load_scenario, replace_settings
+from farhand.trials.leaderboard.scenes import GAP, SCENES
+from farhand.trials.leaderboard.smoothness import spectral_arc_length
+from farhand.trials.leaderboard.witness import Witness
+
+DT = 0.002
+
+
+class Straight(Robot):
+    """Goes along x at 1 m/s, 0.55 m below the ball of radius 0.4 m at (2.3, 0, 1.85)."""
+
+    def __init__(self):
+        self.x = 0.0
+
+    @classmethod
+    def for_scenario(cls, scenario):
+        raise NotImplementedError
+
+    def sample(self):
+        return RobotSample((self.x, 0.0, 1.3), (1.0, 0.0, 0.0))
+
+    def step(self, twist, dt, surroundings=None):
+        self.x += dt
+
+
+def test_depth_and_time_of_a_violation_are_those_of_geometry():
+    scenario = load_scenario("point-obstacle")
+    radius = scenario.robot.radius
+    witness = Witness(Straight(), scenario)
+    for _ in range(round(4.6 / DT)):
+        witness.sample()
+        witness.step(STILL, DT)
+    tool = witness.seen.tool
+    nearest = 0.55 - 0.4 - radius
+    assert tool.nearest == pytest.approx(nearest, abs=1e-5)
+    assert tool.depth == pytest.approx(0.01 - nearest, abs=1e-5)
+    half = math.sqrt((0.4 + radius + 0.01) ** 2 - 0.55**2)
+    assert tool.seconds == pytest.approx(2.0 * half, abs=2.5 * DT)
+    assert tool.count == 1
+    assert not witness.stands
+
+
+def test_a_robot_that_gets_nowhere_stands():
+    scenario = replace_settings(load_scenario("point-obstacle"), {"guard.on": False})
+    witness = Witness(Straight(), scenario)
+    sample = witness.sample()
+    for _ in range(round(21.0 * scenario.robot.rate_hz)):
+        witness._sample = sample
+        witness._look(1.0 / scenario.robot.rate_hz)
+    assert witness.stands
+
+
+def test_smoothness_is_that_of_the_paper_for_a_minimum_jerk_reach_and_worse_for_two():
+    t = np.linspace(0.0, 1.0, 101)
+    reach = 30.0 * t**2 - 60.0 * t**3 + 30.0 * t**4
+    one = spectral_arc_length(list(reach), 100.0)
+    two = spectral_arc_length([*reach, *([0.0] * 30), *reach], 100.0)
+    assert one == pytest.approx(-1.41, abs=0.03)  # Balasubramanian et al., 2015
+    assert two < one - 0.5
+    assert spectral_arc_length(list(3.0 * reach), 100.0) == pytest.approx(one)
+    assert spectral_arc_length([0.0] * 50, 100.0) is None
+
+
+@pytest.mark.parametrize("name", [name for name, scene in SCENES.items() if scene.robot == "sphere"])
+def test_a_scene_is_its_seeds_alone_and_holds_what_it_promises(name):
+    def draw(seed):
+        rng = np.random.default_rng(seed)
+        return next(found for found in (SCENES[name].draw(rng) for _ in range(200)) if found is not None)
+
+    scenario = draw(5)
+    assert scenario == draw(5)
+    assert scenario != draw(6)
+    assert len(scenario.targets) == 2
+    if name == "passage":
+        one, other = (next(o for o in scenario.obstacles if o.id == f"ball-{k}") for k in (0, 4))
+        apart = math.dist(one.position, other.position) - one.shape.radius - other.shape.radius
+        assert apart == pytest.approx(GAP)
+    if name.startswith("movers"):
+        assert {o.speed for o in scenario.obstacles if o.moves} == {float(name.removeprefix("movers-"))}
