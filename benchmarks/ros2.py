@@ -168,7 +168,7 @@ def main() -> None:
     table = Table("what", "ms, or a share")
     for name, value in found.items():
         table.add_row(name, f"{value:.3f}")
-    Console().print(table)
+    Console(markup=False).print(table)
     if options.json:
         options.json.write_text(json.dumps(found), encoding="utf-8")
 

@@ -47,7 +47,7 @@ def table1(
         "none,gaussian,constant,uniform"
     ),
     margins: Annotated[
-        str, typer.Option(help=f"Some of {','.join(MARGINS.names())}.")
+        str, typer.Option(help=f"Some of {', '.join(MARGINS.names())}.")
     ] = "none,paper,adaptive",
     robot: Annotated[
         str,

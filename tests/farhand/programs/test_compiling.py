@@ -1,5 +1,7 @@
 """What is compiled, and takes long, is announced; what is only loaded is not, however long that takes."""
 
+import importlib.util
+import sys
 import threading
 from pathlib import Path
 
@@ -20,9 +22,17 @@ class Preparing:
     def prepare(self):
         kernel = self.folder / "kernel.py"
         kernel.write_text("def double(x):\n    return 2.0 * x\n")
-        names: dict = {}
-        exec(compile(kernel.read_text(), str(kernel), "exec"), names)
-        assert Compiler(kernel)(names["double"])(1.5) == 3.0
+        # A module as any other: what is compiled is kept by its name.
+        spec = importlib.util.spec_from_file_location("compiled_for_a_test", kernel)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[spec.name] = module
+        try:
+            spec.loader.exec_module(module)
+            assert Compiler(kernel)(module.double)(1.5) == 3.0
+        finally:
+            del sys.modules[spec.name]
         assert self.told is None or self.told.wait(10.0)
 
 

@@ -178,7 +178,7 @@ TASK = 'name = "x"\nstart = [0.4, 0.0, 0.4]\ntargets = [[0.4, 0.0, 0.4]]\n[robot
         ('model = "panda"\nsrdf = "a.srdf"', "srdf: goes with urdf; the Panda's is known"),
         ('model = "panda"\njoints = [0, 0, 0, 0, 0, 0]', "joints: the Panda has 7 joints, not 6"),
         ('model = "panda"\nhome = [0]', "home: the Panda has 7 joints, not 1"),
-        ('model = "panda"\n[robot.tool]\nradius = 0', "robot.tool.radius: expected a number (m) > 0"),
+        ('model = "panda"\n[robot.tool]\nradius = 0', "robot.tool.radius: expected a number > 0"),
         (
             'model = "panda"\n[robot.tool]\nend = [0, 0, 1]',
             "robot.tool: object missing required field `radius`",
