@@ -67,7 +67,8 @@ def _unit(text: str, root: type[Struct]) -> str:
     if key.endswith("_hz"):
         return "Hz"
     table = _at(root, ".".join(path))
-    entry = rf"^ +(?:\w+, )*{key}(?:, \w+)*: (.*?)(?=^ +\w+(?:, \w+)*: |\Z)"
+    # Newer Pythons take the indentation out of docstrings.
+    entry = rf"^ *(?:\w+, )*{key}(?:, \w+)*: (.*?)(?=^ *\w+(?:, \w+)*: |\Z)"
     told = re.search(entry, _doc(table), re.DOTALL | re.MULTILINE)
     unit = _UNIT.search(told.group(1)) if told is not None and key else None
     return str(unit.group(1)) if unit is not None else ""
