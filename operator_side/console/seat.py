@@ -19,9 +19,10 @@ LATE_NS = 150_000_000
 SETTLED_NS = 50_000_000
 """A page whose messages become faster by more than this was late until now, and for LATE_NS nothing of it counts: so
 what was held up since the page came moves nothing when it comes all at once."""
-SLEPT_NS, WAKES_NS = 1_000_000_000, 300_000_000
-"""A page that said nothing for the first was asleep; for the second nothing of it counts: what was pressed meanwhile is
-old, whatever the page makes of it."""
+SLEPT_NS, WAKES_NS = 200_000_000, 300_000_000
+"""A page speaks some sixteen times a second, and oftener while something is held. One that said nothing for the first
+was asleep, or its line held up: for the second nothing of it counts. What comes then was pressed meanwhile, and how old
+it is cannot be told by messages that were all held up; what comes without such a gap is no older than the gap."""
 STRAYS_NS = 1_000_000_000
 """Who is late all the while for so long is not late by chance."""
 SEEN_NS = 500_000_000

@@ -283,7 +283,7 @@ def test_everything_fits_and_the_stop_is_in_sight(desk, size):
 
 def test_a_new_page_claims_nothing_that_nobody_measured_or_asked_for(desk):
     assert desk.browser.text("estop").startswith("E-STOP")
-    assert desk.browser.text("link") == "–"
+    desk.until(lambda: desk.browser.text("link") == "–", "no link is told that nobody measured")
     desk.until(lambda: not desk.console._absence.was_lost, "a busy machine's own silence is told no more")
     desk.until(lambda: "again" not in desk.browser.text("sentence"), "it claims no return")
 

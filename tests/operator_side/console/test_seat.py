@@ -1,7 +1,7 @@
 """Who drives: hold-to-run, one driver, and all that moves nothing, however a page misbehaves."""
 
 from farhand.operator_side.console.said import CutNetwork, Do, Steer
-from farhand.operator_side.console.seat import BURST, GONE_AFTER_NS, SEEN_NS, WAKES_NS, Seat
+from farhand.operator_side.console.seat import BURST, GONE_AFTER_NS, SEEN_NS, SLEPT_NS, WAKES_NS, Seat
 
 MS = 1_000_000
 
@@ -25,10 +25,11 @@ class Pages:
         return self.seat.hear(number, said, self.now)
 
     def settle(self):
-        """All of them say something in time, so that what they say counts."""
-        for number in self.seat.pages:
-            self.steers(number, False, 0)
-        self.now += WAKES_NS
+        """All of them say something in time, again and again, so that what they say counts."""
+        for _ in range(WAKES_NS // (SLEPT_NS // 2)):
+            for number in self.seat.pages:
+                self.steers(number, False, 0)
+            self.now += SLEPT_NS // 2
 
     def after(self, ms):
         self.now += ms * MS

@@ -16,7 +16,7 @@ import { World } from "./world.ts";
 declare const BUILD: string;
 
 const TICK_MS = 20;
-const IDLE_MS = 400;
+const IDLE_MS = 60; // who says nothing for 200 counts as asleep
 const SHOW_MS = 100;
 const SILENT_MS = 500;
 const BACK_MS = 3000;
