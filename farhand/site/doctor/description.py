@@ -15,7 +15,7 @@ from farhand.common.messages.twins import Twins
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario
-from farhand.site.doctor.network import Finding
+from farhand.site.findings import Finding
 
 DESCRIPTION_TIME = 2.5
 OVERLAP = 0.5

@@ -4,12 +4,9 @@ It asks with the program's own certificate, from the operator's host, and distur
 command. Round trip and loss are measured by the `about` question, which goes the way that commands go.
 """
 
-import json
-from dataclasses import asdict
 from typing import Any
 
 import zenoh
-from rich.table import Table
 
 from farhand.common.errors import CertificateError, EndpointError
 from farhand.common.link.endpoints import check_device, check_name
@@ -17,14 +14,14 @@ from farhand.common.link.zenoh_link import open_session
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import about_key
 from farhand.common.messages.state import RobotState
-from farhand.common.process.console import page, whole
 from farhand.common.process.security import tool_place
 from farhand.common.trust.tls import TlsFolder, load_folder
 from farhand.runs.scenario import Scenario
 from farhand.site.doctor.description import DESCRIPTION_TIME, Listening, judge_robot
 from farhand.site.doctor.facts import judge, own_certificate, rights, this_host
-from farhand.site.doctor.network import Finding, probe_tcp, probe_tls
+from farhand.site.doctor.network import probe_tcp, probe_tls
 from farhand.site.doctor.path import decoded_facts, judge_path, measure
+from farhand.site.findings import Finding, print_findings
 from farhand.site.robots import MEET_TIME, alive, meet
 
 FACTS_TIME = 2.0
@@ -46,23 +43,9 @@ def run_doctor(
         router: the endpoint is a Zenoh router's.
     """
     check_device(check_name(endpoint))
-    findings = examine(endpoint, robot, tls, scenario, count, router)
-    bad = sum(finding.level == "bad" for finding in findings)
-    if as_json:
-        print(json.dumps([asdict(finding) for finding in findings]))
-        return 1 if bad else 0
-    table = Table(title=f"the path to {robot}", title_justify="left")
-    for column in ("", "what", "found, and what to do"):
-        table.add_column(column, overflow="fold")
-    for finding in findings:
-        remedy = f"\n→ {finding.remedy}" if finding.remedy else ""
-        table.add_row(finding.level, finding.what, finding.found + remedy)
-    console = page()
-    console.print(whole(table, console))
-    notes = sum(finding.level == "note" for finding in findings)
-    ways = f"{bad or 'nothing'} of this is in the way" if bad else "nothing is in the way"
-    console.print(f"{ways}{f'; {notes} to note' if notes else ''}")
-    return 1 if bad else 0
+    return print_findings(
+        f"the path to {robot}", examine(endpoint, robot, tls, scenario, count, router), as_json=as_json
+    )
 
 
 def examine(

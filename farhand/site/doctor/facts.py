@@ -6,7 +6,7 @@ from typing import Any
 from farhand.common.link.presence import about
 from farhand.common.trust.certificate import WARN_DAYS
 from farhand.common.trust.tls import TlsFolder
-from farhand.site.doctor.network import Finding
+from farhand.site.findings import Finding
 
 CLOCK_DIFFERENCE = 3600.0
 _SAME = "install the same farhand on all hosts"

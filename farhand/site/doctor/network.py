@@ -2,26 +2,16 @@
 
 import socket
 import ssl
-from dataclasses import dataclass
 from typing import cast
 
 from farhand.common.link.endpoints import Endpoint, parse_endpoint
 from farhand.common.timing.clock import utc_seconds
 from farhand.common.trust.certificate import WARN_DAYS, today
 from farhand.common.trust.tls import TlsFolder
+from farhand.site.findings import Finding
 
 CONNECT_TIME = 3.0
 REFUSAL_TIME = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One line of the doctor: level good, note or bad; what was looked at; what was found; what to do."""
-
-    level: str
-    what: str
-    found: str
-    remedy: str = ""
 
 
 def dial(endpoint: Endpoint) -> socket.socket:

@@ -10,7 +10,7 @@ import zenoh
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.operator_side.pace import pace_of
 from farhand.runs.scenario import Scenario
-from farhand.site.doctor.network import Finding
+from farhand.site.findings import Finding
 
 QUESTION_PERIOD = 0.05
 ANSWER_TIME = 3.0

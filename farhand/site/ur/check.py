@@ -3,17 +3,12 @@
 It moves nothing. To measure the controller's loop it runs Farhand's own program there for a second, at speed zero.
 """
 
-import json
 import re
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from rich.markup import escape
-from rich.table import Table
 
-from farhand.common.process.console import page, whole
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.common.timing.realtime import request_realtime
 from farhand.robot_side.arm.model import ArmModel
@@ -25,7 +20,7 @@ from farhand.robot_side.ur.link import UrLink
 from farhand.robot_side.ur.program import LIMITS, STANDS_WITHIN
 from farhand.robot_side.ur.settings import UrSettings
 from farhand.robot_side.ur.states import PLAYING, REDUCED, SAFETY_MODES, Facts, blocked, slowed, unready
-from farhand.site.doctor.network import Finding
+from farhand.site.findings import Finding, print_findings
 
 PATIENCE = 4.0
 MEASURED_FOR = 2.0
@@ -46,23 +41,7 @@ def run_check(host: str, arm: ArmModel | None, settings: UrSettings, lag: float,
         lag: with which the scenario says that the arm answers (s).
         as_json: print JSON instead of a table.
     """
-    findings = examine(host, arm, settings, lag)
-    bad = sum(finding.level == "bad" for finding in findings)
-    if as_json:
-        print(json.dumps([asdict(finding) for finding in findings]))
-        return 1 if bad else 0
-    table = Table(title=f"the UR controller at {host}", title_justify="left")
-    for column in ("", "what", "found, and what to do"):
-        table.add_column(column, overflow="fold")
-    for finding in findings:
-        remedy = f"\n→ {finding.remedy}" if finding.remedy else ""
-        table.add_row(finding.level, finding.what, escape(finding.found + remedy))
-    console = page()
-    console.print(whole(table, console))
-    notes = sum(finding.level == "note" for finding in findings)
-    ways = f"{bad} of this is in the way" if bad else "nothing is in the way"
-    console.print(f"{ways}{f'; {notes} to note' if notes else ''}")
-    return 1 if bad else 0
+    return print_findings(f"the UR controller at {host}", examine(host, arm, settings, lag), as_json=as_json)
 
 
 def examine(host: str, arm: ArmModel | None, settings: UrSettings, lag: float) -> list[Finding]:

@@ -106,8 +106,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     error: str = ""
 
 
-def lost(spec: Spec, error: str) -> Row:
-    """The row of a run that has no result."""
+def row_of(spec: Spec) -> Row:
+    """The row of a run of which only that is known what it is; `msgspec.structs.replace` adds what came of it."""
     return Row(
         key=spec.key,
         network=spec.network,
@@ -116,5 +116,9 @@ def lost(spec: Spec, error: str) -> Row:
         operator=spec.operator,
         index=spec.index,
         seed=spec.seed,
-        error=" ".join(error.split()),
     )
+
+
+def lost(spec: Spec, error: str) -> Row:
+    """The row of a run that has no result."""
+    return msgspec.structs.replace(row_of(spec), error=" ".join(error.split()))

@@ -14,7 +14,7 @@ from farhand.runs.scenario import scenario_from_table
 from farhand.runs.why import INTERRUPTED
 from farhand.trials.leaderboard.method import method_named
 from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.rows import Row, Spec, lost
+from farhand.trials.leaderboard.rows import Row, Spec, lost, row_of
 from farhand.trials.leaderboard.smoothness import spectral_arc_length
 from farhand.trials.leaderboard.witness import SPEED_RATE_HZ, Seen, watched
 
@@ -63,14 +63,8 @@ def _row(spec: Spec, result: SimulationResult, seen: Seen, limit: Vector3) -> Ro
     share, strength = _filtered(result.reports, limit)
     robot = summary.counts.robot
     guarded = robot.guard_seconds if robot is not None else 0.0
-    return Row(
-        key=spec.key,
-        network=spec.network,
-        scene=spec.scene,
-        method=spec.method,
-        operator=spec.operator,
-        index=spec.index,
-        seed=spec.seed,
+    return msgspec.structs.replace(
+        row_of(spec),
         success=safe and (summary.finished or not OPERATORS[spec.operator].finishes),
         safe=safe,
         finished=summary.finished,

@@ -82,7 +82,7 @@ def test_no_console_of_the_program_reads_markup():
     for root in ("common", "netem", "operator_side", "robot_side", "farhand", "benchmarks"):
         for file in (REPOSITORY / root).rglob("*.py"):
             text = file.read_text()
+            assert "rich.markup" not in text or file.name == "help_words.py", file  # which Typer prints
             if "rich.console import" in text:
-                assert "rich.markup" not in text, file
                 for made in re.findall(r"\bConsole\([^\n]*", text):
                     assert "markup=False" in made, f"{file}: {made}"
