@@ -61,10 +61,11 @@ class ReportWriter:
         self._tick += 1
         now_ns, margin, filtered = tick.now_ns, tick.margin, tick.filtered
         state, trip = self._perception.state, self._round_trip
-        seen = state is not None
         known = trip.count > 0
         lag_part = filtered.lag_part if filtered is not None else 0.0
-        state_age = (now_ns - self._perception.newest_state.arrived_ns) * 1e-9 if seen else 0.0
+        state_age = 0.0
+        if state is not None:
+            state_age = (now_ns - self._perception.newest_state.arrived_ns) * 1e-9 + state.sample_age
         guard = self._perception.take_guard()
         attempt = Attempt(
             now_ns,

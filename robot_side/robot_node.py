@@ -24,6 +24,7 @@ from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.shapes.distance import nearest_obstacle
+from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.robot_side.result import GuardedPair, RobotResult
 from farhand.robot_side.robots.robot import Robot, RobotSample
@@ -267,6 +268,7 @@ class RobotNode:
 
     def _send_state(self, now_ns: int) -> None:
         watchdog, sample = self.watchdog, self._sample
+        sampled_ns = now_ns - to_ns(self._robot.sample_age)
         arm_clearance = self._arm_clearance(now_ns)
         state = RobotState(
             source=self._name,
@@ -274,7 +276,7 @@ class RobotNode:
             seq=self._state_seq,
             t_sent_ns=now_ns,
             echo=self.intake.newest.echo(now_ns),
-            t_sample_ns=now_ns,
+            t_sample_ns=max(0, sampled_ns),
             position=sample.position,
             velocity=sample.velocity,
             orientation=sample.orientation,
@@ -282,7 +284,7 @@ class RobotNode:
             joints=sample.joints,
             applied_session=watchdog.applied_session,
             applied_seq=watchdog.applied_seq,
-            applied_for_ns=now_ns - watchdog.applied_ns if watchdog.applied_session else 0,
+            applied_for_ns=max(0, sampled_ns - watchdog.applied_ns) if watchdog.applied_session else 0,
             mode=watchdog.mode,
             reason=watchdog.reason,
             holder=watchdog.lease.holder,

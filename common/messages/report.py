@@ -44,7 +44,7 @@ class ControlReport(Message, frozen=True, kw_only=True):
         rtt, rtt_mean, rtt_std: network round trip, newest and over the window (s).
         loss: fraction of the states of the last seconds that never came; None: not known yet.
         age: age of the oldest unanswered command (s).
-        state_age: time since the last state arrived (s).
+        state_age: of the last state: since it arrived, and what it was old already when the robot sent it (s).
         status: the solver's status.
         solve_time: (s).
         binding: id of the obstacle that binds, or empty.

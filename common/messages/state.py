@@ -79,3 +79,8 @@ class RobotState(Message, frozen=True, kw_only=True):
     stops: Stamp = 0
     held_by: NameOrNone | msgspec.UnsetType = msgspec.UNSET
     guard: Intervention | msgspec.UnsetType = msgspec.UNSET
+
+    @property
+    def sample_age(self) -> float:
+        """How old it was already when it was sent (s): a robot whose own controller has fallen silent knows no more."""
+        return max(0, self.t_sent_ns - self.t_sample_ns) * 1e-9

@@ -56,9 +56,9 @@ class Picture:
             slot.take(packet)
 
     def ages(self, now_ns: int) -> tuple[float, float]:
-        """Of report and state (s)."""
+        """Of report and state (s); a state that was old already when it was sent is older than its arrival."""
         report, state = (self._slots[key].age(now_ns) for key in self.keys[:2])
-        return report, state
+        return report, state + (self.state.sample_age if self.state is not None else 0.0)
 
     @property
     def report(self) -> ControlReport | None:

@@ -49,6 +49,7 @@ class Robot(ABC):
         is_real: whether it is hardware, or stands for it; virtual time cannot drive it.
         rate_hz: of its own controller; None: it is stepped as often as the scenario says.
         notes: lines for people on what was found at its start.
+        sample_age: how old it was what `sample` said last (s): more than 0 where a controller has fallen silent.
     """
 
     Settings: ClassVar[type[Section]] = NoSettings
@@ -59,6 +60,7 @@ class Robot(ABC):
     is_real: bool = False
     rate_hz: float | None = None
     notes: Sequence[str] = ()
+    sample_age: float = 0.0
 
     @classmethod
     @abstractmethod

@@ -23,7 +23,7 @@ from farhand.robot_side.ur.attention import Attention
 from farhand.robot_side.ur.deadline import measured_deadline
 from farhand.robot_side.ur.link import UrLink
 from farhand.robot_side.ur.settings import UrSettings, address_of
-from farhand.robot_side.ur.states import Facts, slowed, unready
+from farhand.robot_side.ur.states import STALE, Facts, slowed, unready
 
 BRAKING_AT_THE_END = 0.5
 """s that an arm may take to brake when Farhand ends."""
@@ -97,6 +97,7 @@ class UrRobot(Robot):
         """The newest state that the controller has sent."""
         facts = self._facts = self._link.poll(self._clock.now_ns())
         values = facts.values
+        self.sample_age = facts.age if facts.age > STALE else 0.0
         self._follower.observe(values["actual_q"], values["actual_qd"])
         return self._follower.sample()
 

@@ -132,6 +132,15 @@ def test_the_report_knows_the_round_trip():
     assert bench.node.report.state_age == pytest.approx(0.040)
 
 
+def test_the_report_counts_what_a_state_was_old_already_when_it_was_sent():
+    bench = Bench()
+    command = bench.drive()
+    sent_ns = command.t_sent_ns + 60 * MS
+    bench.robot(echo=echo_of(command), at_ns=sent_ns, t_sent_ns=sent_ns, t_sample_ns=sent_ns - 1500 * MS)
+    bench.tick()
+    assert bench.node.report.state_age == pytest.approx(1.540)
+
+
 def test_missed_ticks_use_up_sequence_numbers():
     bench = Bench()
     first = bench.drive()

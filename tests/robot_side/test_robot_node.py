@@ -321,3 +321,17 @@ def test_a_robot_that_says_that_it_is_stopped_is_asked_for_nothing_until_that_is
     send("run")
     assert bench.states[-1].mode == "run"
     assert max(robot.asked) > 0.0
+
+
+def test_what_a_silent_controller_said_last_is_not_stamped_as_new():
+    """The robot's program lives and sends; what it knows of the arm is two seconds old all the same."""
+    robot = make_robot(SCENARIO)
+    bench = Bench(robot=robot)
+    bench.tick(2)
+    assert bench.states[-1].sample_age == 0.0
+    robot.sample_age = 2.0
+    bench.tick()
+    state = bench.states[-1]
+    assert state.sample_age == pytest.approx(2.0)
+    assert state.t_sample_ns == state.t_sent_ns - 2 * SECOND
+    assert state.applied_for_ns == 0
