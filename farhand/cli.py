@@ -19,6 +19,7 @@ from farhand.commands.programs import register as register_programs
 from farhand.commands.recordings import register as register_recordings
 from farhand.commands.ros2 import register as register_ros2
 from farhand.commands.runs import register as register_runs
+from farhand.commands.scene import scene_app
 from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
 from farhand.commands.ur import ur_app
@@ -55,6 +56,7 @@ app.add_typer(benchmark_app, name="benchmark")
 app.add_typer(certs_app, name="certs")
 app.add_typer(arm_app, name="arm")
 app.add_typer(ur_app, name="ur")
+app.add_typer(scene_app, name="scene")
 
 
 def run_program() -> int:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from farhand.common.timing.clock import to_ns
 from farhand.common.trust.rare_lines import RareLines
 from farhand.robot_side.safety.command_intake import CommandIntake
+from farhand.robot_side.safety.scene_intake import SceneIntake
 from farhand.robot_side.safety.watchdog import Watchdog
 
 LOOK_EVERY = 0.25
@@ -29,11 +30,17 @@ class Announcer:
 
     Args:
         say: takes a line for people.
-        watchdog, intake: of the robot's node.
+        watchdog, intake, scene: of the robot's node.
     """
 
-    def __init__(self, say: Callable[[str], None], watchdog: Watchdog, intake: CommandIntake) -> None:
-        self._say, self._watchdog, self._intake = say, watchdog, intake
+    def __init__(
+        self,
+        say: Callable[[str], None],
+        watchdog: Watchdog,
+        intake: CommandIntake,
+        scene: SceneIntake | None = None,
+    ) -> None:
+        self._say, self._watchdog, self._intake, self._scene = say, watchdog, intake, scene
         self._lines = RareLines(say)
         self._next_ns = 0
         self._holder = 0
@@ -66,6 +73,8 @@ class Announcer:
             if new:
                 self._lines.note(reason, self._refusal(reason), now_ns, new)
         self._refused = refused
+        while self._scene is not None and self._scene.log:
+            self._say(self._scene.log.popleft())
         self._lines.tick(now_ns)
 
     def _why_free(self) -> str:

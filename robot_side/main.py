@@ -32,7 +32,7 @@ def run_robot(
     """
     loop = RealtimeLoop(node, clock, realtime=realtime, until=lambda _: stop_event.is_set())
     if say is not None:
-        loop.after.append(Announcer(say, node.watchdog, node.intake).look)
+        loop.after.append(Announcer(say, node.watchdog, node.intake, node.scene_intake).look)
     loop.run()
     late = loop.lateness
     lateness = Lateness(

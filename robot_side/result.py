@@ -50,6 +50,8 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
         guard_deeds: the same by what it did: slowed, turned, evading, braking (s).
         lateness: of the loop; None in virtual time.
         began: when it first followed a motion command (s since the first tick); None: it never did.
+        scene_changes: how often its scene was changed.
+        scene_refused: requests that did not change it, by reason.
     """
 
     min_clearance: float | None
@@ -69,6 +71,8 @@ class RobotCounts(msgspec.Struct, frozen=True, kw_only=True):
     guard_deeds: dict[str, float] = msgspec.field(default_factory=dict)
     lateness: Lateness | None = None
     began: float | None = None
+    scene_changes: int = 0
+    scene_refused: dict[str, int] = msgspec.field(default_factory=dict)
 
 
 class RobotResult(RobotCounts, frozen=True, kw_only=True, tag_field="program", tag="robot"):

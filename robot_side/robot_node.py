@@ -17,7 +17,7 @@ import msgspec
 
 from farhand.common.geometry import STILL, Twist
 from farhand.common.link.link import Link, Packet
-from farhand.common.messages.base import SafetyMode
+from farhand.common.messages.base import SafetyMode, Vector3
 from farhand.common.messages.codec import encode
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.keys import description_key, scene_key, state_key
@@ -27,12 +27,14 @@ from farhand.common.shapes.distance import nearest_obstacle
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.robot_side.result import GuardedPair, RobotResult
+from farhand.robot_side.robots.newcomers import crowded_by
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.run_statistics import RunStatistics
 from farhand.robot_side.safety.command_intake import CommandIntake
 from farhand.robot_side.safety.guard.tally import Tally
 from farhand.robot_side.safety.guard.tool_guard import ToolGuard
+from farhand.robot_side.safety.scene_intake import SceneIntake
 from farhand.robot_side.safety.watchdog import Watchdog
 from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 
@@ -78,7 +80,10 @@ class RobotNode:
         self._statistics = RunStatistics(settings.rate_hz)
         self._stepped = 0
         self._nearest_part = "", ""
+        # to what it came nearest before the scene was changed
+        self._named_nearest: tuple[tuple[Vector3, int] | None, str] = None, ""
         self._guarded = scenario.guard.on
+        self._d_min = scenario.guard.d_min
         self._guard: ToolGuard | None = None
         if self._guarded and not robot.guards_itself:
             self._guard = ToolGuard(
@@ -87,6 +92,7 @@ class RobotNode:
         self._tally = Tally(self._dt)
         self.watchdog = Watchdog(scenario.safety, session)
         self.intake = CommandIntake(name, self.watchdog)
+        self.scene_intake = SceneIntake(name, scenario.safety, session)
 
     @property
     def trajectory(self) -> list[tuple[float, float, float, float, float]]:
@@ -109,6 +115,7 @@ class RobotNode:
 
     def replace_obstacles(self, obstacles: Sequence[Obstacle], now_ns: int) -> None:
         """From `now_ns` on the obstacles are these; the operator is told with the next tick."""
+        self._named_nearest = self._statistics.nearest, self._nearest_obstacle()
         self._obstacles = tuple(obstacles)
         self._field = ObstacleField(self._obstacles, now_ns)
         self._scene_changed = True
@@ -144,6 +151,8 @@ class RobotNode:
             guard_pairs=self._guard_pairs(),
             changes=[(c.t_ns, c.mode, c.reason) for c in watchdog.changes],
             trajectory=statistics.trajectory,
+            scene_changes=self.scene_intake.revision,
+            scene_refused=self.scene_intake.refused,
         )
 
     def _guard_pairs(self) -> list[GuardedPair]:
@@ -157,6 +166,8 @@ class RobotNode:
         nearest = self._statistics.nearest
         if nearest is None or self._field is None:
             return ""
+        if nearest == self._named_nearest[0]:
+            return self._named_nearest[1]
         position, at_ns = nearest
         return nearest_obstacle(self._field.at(at_ns), position)[1]
 
@@ -183,10 +194,23 @@ class RobotNode:
         packets = self._link.receive()
         if packets:
             self.intake.take(packets, now_ns)
+            self.scene_intake.take(packets)
         self._note_silence(now_ns)
         self._observe(self._field, now_ns)
+        if self.scene_intake.waits:
+            self._change_scene(self._field, now_ns)
         self._heed(now_ns)
         self._move(self._field, now_ns)
+
+    def _change_scene(self, field: ObstacleField, now_ns: int) -> None:
+        """Judge one request; guard, clearances and what is announced have the new scene from this tick on."""
+        found = self.scene_intake.judge(field.at(now_ns), now_ns, self._crowded)
+        if found is not None:
+            self.replace_obstacles(found, now_ns)
+
+    def _crowded(self, obstacles: Sequence[Obstacle]) -> str:
+        guard = self._guard if self._guard is not None else self._guarded
+        return crowded_by(obstacles, self._robot, self._sample, self._radius, guard, self._d_min)
 
     def _heed(self, now_ns: int) -> None:
         """Stop where the robot itself says that it is stopped."""
@@ -306,10 +330,11 @@ class RobotNode:
     def _send_scene_if_due(self, now_ns: int) -> None:
         # A new holder is a change as well: it must not wait a second before it knows what to avoid.
         holder = self.watchdog.lease.holder
-        changed = self._scene_changed or holder != self._shown_holder
+        changed = self._scene_changed or holder != self._shown_holder or self.scene_intake.due(now_ns)
         if not self._scene_due.due(now_ns) and not changed:
             return
         self._scene_changed, self._shown_holder = False, holder
+        self.scene_intake.said(now_ns)
         scene = Scene(
             source=self._name,
             session=self._session,
@@ -318,6 +343,8 @@ class RobotNode:
             t_sample_ns=now_ns,
             obstacles=self._field.at(now_ns) if self._field is not None else self._obstacles,
             targets=self._targets,
+            revision=self.scene_intake.revision or msgspec.UNSET,
+            answers=self.scene_intake.answers or msgspec.UNSET,
         )
         self._link.send(Packet(scene_key(self._name), encode(scene)))
         self._link.send(Packet(description_key(self._name), encode(self._description(now_ns))))

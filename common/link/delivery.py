@@ -42,6 +42,7 @@ CLASSES: Mapping[str, Delivery] = {
     "scene": Delivery(
         "newest", "INTERACTIVE_HIGH", True
     ),  # once a second: one that is lost is missed for long
+    "scene_request": Delivery("every", "DATA_HIGH", True),  # seldom; each is answered
     "description": Delivery("newest", "DATA_HIGH", True),  # seldom, and needed before anything moves
     "report": Delivery("newest", "DATA", True),  # on a session of its own, where nothing waits behind it
     "mirror": Delivery("newest", "DATA", True),  # on the reports' session

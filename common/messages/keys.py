@@ -34,6 +34,11 @@ def scene_key(robot: str) -> str:
     return f"{PREFIX}/{robot}/scene"
 
 
+def scene_request_key(robot: str) -> str:
+    """Whoever may command to robot: SceneRequest."""
+    return f"{PREFIX}/{robot}/scene_request"
+
+
 def description_key(robot: str) -> str:
     """Robot to operator: RobotDescription."""
     return f"{PREFIX}/{robot}/description"
@@ -75,6 +80,11 @@ def estop_key(robot: str) -> str:
 def acknowledge_key(robot: str) -> str:
     """Queryable of an operator's program, on its own host: acknowledge the robot's stop."""
     return f"{PREFIX}/{robot}/acknowledge"
+
+
+def scene_change_key(robot: str) -> str:
+    """Queryable of an operator's program, on its own host: change the robot's scene."""
+    return f"{PREFIX}/{robot}/scene_change"
 
 
 def ticks_key(robot: str) -> str:

@@ -5,7 +5,7 @@ keys are those of the robots that the certificate is named for:
 
 | other end | may send | may receive |
 |---|---|---|
-| operator | the command of its robots | state, scene and camera of its robots |
+| operator | the command of its robots, and changes of their scenes | state, scene and camera of its robots |
 | robot | its own state, scene and camera | its own command |
 | camera | the camera of its robots | state, scene and description of its robots |
 | netem, router | what the other side of it may send to us | everything |
@@ -25,6 +25,7 @@ from farhand.common.messages.keys import (
     description_key,
     report_key,
     scene_key,
+    scene_request_key,
     state_key,
 )
 from farhand.common.trust.certificate import Member
@@ -76,7 +77,7 @@ def access_control(own: Member, others: Iterable[Member]) -> dict[str, object]:
 def readable(own: Member) -> tuple[str, ...]:
     """Keys of the messages that a certificate lets its owner read."""
     if own.role == "robot":
-        return tuple(map(command_key, own.robots))
+        return _asked(own.robots)
     if own.role == "operator":
         return _seen(own.robots)
     if own.role == "camera":
@@ -91,7 +92,7 @@ def _rules(other: Member, own: Member) -> list[Rule]:
     if other.role == "operator":
         return [
             *_reader(robots, _seen(robots)),
-            ("ingress", ("put",), tuple(map(command_key, robots))),
+            ("ingress", ("put",), _asked(robots)),
             ("ingress", ("liveliness_token",), tuple(alive_key(r, "operator") for r in robots)),
         ]
     if other.role == "observer":
@@ -106,8 +107,8 @@ def _rules(other: Member, own: Member) -> list[Rule]:
         about = tuple(about_key(r, "robot") for r in robots)
         return [
             ("ingress", ("put",), _seen(robots)),
-            ("ingress", ("declare_subscriber",), tuple(map(command_key, robots))),
-            ("egress", ("put",), tuple(map(command_key, robots))),
+            ("ingress", ("declare_subscriber",), _asked(robots)),
+            ("egress", ("put",), _asked(robots)),
             ("ingress", ("declare_queryable", "reply"), about),
             ("egress", ("query",), about),
             ("ingress", ("liveliness_token",), tuple(alive_key(r, "robot") for r in robots)),
@@ -117,7 +118,7 @@ def _rules(other: Member, own: Member) -> list[Rule]:
         if own.role == "operator":
             sent = _seen(own.robots)
         elif own.role == "robot":
-            sent = tuple(map(command_key, own.robots))
+            sent = _asked(own.robots)
         elif own.role == "camera":
             sent = _told(own.robots)
         elif own.role == "observer":
@@ -145,6 +146,11 @@ def _reader(robots: tuple[str, ...], keys: tuple[str, ...]) -> list[Rule]:
         ("egress", ("liveliness_token",), alive),
         ("egress", _DECLARATIONS, _EVERYTHING),
     ]
+
+
+def _asked(robots: tuple[str, ...]) -> tuple[str, ...]:
+    """What is asked of a robot: commands, changes of its scene."""
+    return tuple(key for r in robots for key in (command_key(r), scene_request_key(r)))
 
 
 def _told(robots: tuple[str, ...]) -> tuple[str, ...]:

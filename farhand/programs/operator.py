@@ -55,6 +55,7 @@ from farhand.site.acknowledge import AcknowledgeServer
 from farhand.site.estop import EstopServer
 from farhand.site.handover import HandoverServer
 from farhand.site.operator_name import operator_name
+from farhand.site.scene import SceneServer
 from farhand.site.tick_server import TickServer
 
 
@@ -183,6 +184,8 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
             closing.callback(stopper.close)
             clearer = AcknowledgeServer(node, slot, clock, report_session, robot, teller.say)
             closing.callback(clearer.close)
+            changer = SceneServer(node, slot, clock, report_session, robot, teller.say, link)
+            closing.callback(changer.close)
             node.recorder = history = TickHistory()
             info = _run_info(options, scenario, identity, controller.settings.solver, clock.epoch_ns())
             ticks = TickServer(history, info, report_session, clock.now_ns)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from farhand.common.link.zenoh_link import ZenohLink, open_session
-from farhand.common.messages.keys import check_robot_name, command_key
+from farhand.common.messages.keys import check_robot_name, command_key, scene_request_key
 from farhand.common.process.outputs import survive
 from farhand.common.process.security import Access, guard, secure
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
@@ -55,7 +55,7 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
         extra = folder.settings("robot") if folder else ()
         prepare_robot_aloud(scenario, teller.say)  # before anything is connected
         session = open_session(access.connect, access.listen, mode=mode, extra=extra)
-        link = ZenohLink(session, [command_key(name)], clock)
+        link = ZenohLink(session, [command_key(name), scene_request_key(name)], clock)
         closing.callback(link.close)
         guard(session, folder, name, "robot", teller.say)
         PeerWatch("robot", access.where, link.connected, stop_event, troubles=link.losses)

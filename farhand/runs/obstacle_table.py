@@ -2,19 +2,62 @@
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 
 from farhand.common.errors import InputError, ScenarioError
 from farhand.common.messages.scene import MAX_OBSTACLES, Obstacle
+from farhand.common.scenario.known_keys import explained
+from farhand.common.scenario.reader import non_finite_key
 from farhand.common.shapes.cover import EXCESS, MAX_SPHERES, closely_covered
 from farhand.common.shapes.mesh_file import read_mesh
 from farhand.common.shapes.plane import Plane
+from farhand.common.toml import read_toml
 
 MOST_SPHERES = 4 * MAX_SPHERES
 MOST_BYTES = 900_000
 """Of all obstacles on the wire, of which a message holds 1 MiB."""
+
+
+def read_obstacles(name_or_path: str) -> tuple[Obstacle, ...]:
+    """The obstacles of a scenario's file, or of one that holds nothing else; raises ScenarioError.
+
+    A file that says nothing of obstacles is refused: it would take all of them away.
+    """
+    table = read_toml(name_or_path, "scenario", ScenarioError)
+    if "obstacles" not in table:
+        raise ScenarioError(
+            f"scenario {name_or_path}: has no [[obstacles]]; to have none at all: obstacles = []"
+        )
+    return obstacles_from(table["obstacles"], f"scenario {name_or_path}", Path(name_or_path).parent)
+
+
+def obstacles_from(tables: object, where: str, folder: Path) -> tuple[Obstacle, ...]:
+    """Obstacles as a scenario writes them.
+
+    Args:
+        tables: a list of nested dictionaries, as TOML gives it.
+        where: names the source in errors.
+        folder: what the names of mesh files are relative to.
+
+    Raises ScenarioError with one clear line.
+    """
+    bad = non_finite_key({"obstacles": tables})
+    if bad:
+        raise ScenarioError(f"{where}: {bad}: must be a finite number")
+    try:
+        found = msgspec.convert(settled({"obstacles": tables}, folder), _Obstacles).obstacles
+        check_shapes(found)
+    except msgspec.ValidationError as error:
+        raise ScenarioError(f"{where}: {explained(str(error), _Obstacles)}") from None
+    except InputError as error:
+        raise ScenarioError(f"{where}: {error}") from None
+    return found
+
+
+class _Obstacles(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    obstacles: Annotated[tuple[Obstacle, ...], msgspec.Meta(max_length=MAX_OBSTACLES)]
 
 
 def settled(table: dict[str, Any], folder: Path) -> dict[str, Any]:

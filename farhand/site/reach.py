@@ -32,7 +32,9 @@ class Reached:
 
 
 @contextmanager
-def reaching(command: str, robot: str, connect: Sequence[str], tls: str, router: bool) -> Iterator[Reached]:
+def reaching(
+    command: str, robot: str, connect: Sequence[str], tls: str, router: bool, *, commands: bool = True
+) -> Iterator[Reached]:
     """Sessions to where a robot may be heard; closed at the end.
 
     Args:
@@ -41,6 +43,7 @@ def reaching(command: str, robot: str, connect: Sequence[str], tls: str, router:
         connect: endpoints of an operator's --report, of the robot or of the emulator; empty: those of this host.
         tls: certificate folder; empty: none.
         router: the endpoints are those of a Zenoh router.
+        commands: whether more than listening is wanted.
 
     Raises:
         InputError: an endpoint, or the certificate's rights, do not allow it.
@@ -48,7 +51,7 @@ def reaching(command: str, robot: str, connect: Sequence[str], tls: str, router:
     check_robot_name(robot)
     ends = tuple(connect) or (local_endpoint(7447, tls),)
     folder = secure(Access(connect=ends, tls=tls), lambda line: say(command, line))
-    if folder is not None:
+    if folder is not None and commands:
         check_rights(folder, robot)
     with ExitStack() as closing:
         extra = folder.settings(tool_place(folder)) if folder else ()

@@ -15,10 +15,12 @@ from farhand.common.messages.keys import (
     kind_of,
     report_key,
     scene_key,
+    scene_request_key,
     state_key,
 )
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
+from farhand.common.messages.scene_request import SceneRequest
 from farhand.common.messages.state import RobotState
 
 KINDS: dict[str, type[Message]] = {
@@ -27,6 +29,7 @@ KINDS: dict[str, type[Message]] = {
     "scene": Scene,
     "description": RobotDescription,
     "report": ControlReport,
+    "scene_request": SceneRequest,
 }
 KEYS = {
     VelocityCommand: command_key,
@@ -34,6 +37,7 @@ KEYS = {
     Scene: scene_key,
     RobotDescription: description_key,
     ControlReport: report_key,
+    SceneRequest: scene_request_key,
 }
 
 

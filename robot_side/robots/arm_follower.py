@@ -16,6 +16,7 @@ from farhand.robot_side.arm.velocity_control import DampedLeastSquares, Directio
 from farhand.robot_side.robots.robot import RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Joints
+from farhand.robot_side.safety.guard.crowding import Crowding
 from farhand.robot_side.scene.surroundings import Surroundings
 
 
@@ -94,6 +95,14 @@ class ArmFollower:
     def held_by(self) -> str:
         """See Robot."""
         return holder(self._kinematics, self.q, self._tool.jacobian, self.commanded, self._wanted)
+
+    def crowded(self, around: Surroundings) -> Crowding | None:
+        """See Robot."""
+        return (
+            None
+            if self.guard is None
+            else self.guard.crowded(Joints(self.q, self.qd, self.commanded), around)
+        )
 
     def intervention(self) -> Intervention | None:
         """See Robot."""

@@ -24,6 +24,7 @@ from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.safety.guard.arm_guard import ArmGuard
 from farhand.robot_side.safety.guard.arm_start import check_arm_clear
+from farhand.robot_side.safety.guard.crowding import Crowding
 from farhand.robot_side.scene.surroundings import Surroundings
 
 _RESIDUAL = 1e-12  # of Bullet's constraint solver: its default lets a resting arm creep 3 mm a minute
@@ -234,6 +235,10 @@ class ArmRobot(ArmWorld, Robot):
     def arm_clearance(self, obstacles: Sequence[Obstacle]) -> float | None:
         """See Robot."""
         return self.clearance(obstacles)
+
+    def crowded(self, around: Surroundings) -> Crowding | None:
+        """See Robot."""
+        return self._follower.crowded(around)
 
     def held_by(self) -> str:
         """See Robot."""

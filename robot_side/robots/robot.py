@@ -12,6 +12,7 @@ from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import NoSettings, Section
 from farhand.robot_side.robots.settings import RobotScenario
+from farhand.robot_side.safety.guard.crowding import Crowding
 from farhand.robot_side.scene.surroundings import Surroundings
 
 
@@ -104,6 +105,10 @@ class Robot(ABC):
     def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
         """The part of the body that is nearest to an obstacle, and that obstacle; empty where not computed."""
         return "", ""
+
+    def crowded(self, around: Surroundings) -> Crowding | None:
+        """What of `around` its own guard could not keep off its body from now on; None: nothing, or it has no guard."""
+        return None
 
     def held_by(self) -> str:
         """What keeps it from following its last command, such as `joint limit: elbow`; empty: nothing does."""

@@ -18,6 +18,7 @@ from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.robots.ur_start import at_its_rate, check_joints, first_facts, slower_arm
 from farhand.robot_side.safety.guard.arm_guard import ArmGuard
+from farhand.robot_side.safety.guard.crowding import Crowding
 from farhand.robot_side.scene.surroundings import Surroundings
 from farhand.robot_side.ur.attention import Attention
 from farhand.robot_side.ur.deadline import measured_deadline
@@ -139,6 +140,10 @@ class UrRobot(Robot):
     def nearest_part(self, obstacles: Sequence[Obstacle]) -> tuple[str, str]:
         """See Robot."""
         return self._world.nearest_names(obstacles)
+
+    def crowded(self, around: Surroundings) -> Crowding | None:
+        """See Robot."""
+        return self._follower.crowded(around)
 
     def held_by(self) -> str:
         """See Robot."""

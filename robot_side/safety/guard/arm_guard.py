@@ -15,8 +15,10 @@ from farhand.robot_side.kernel import guard as kernel
 from farhand.robot_side.kernel.chain import pack
 from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY, capsule_capsule
 from farhand.robot_side.kernel.qp import SOLVED
-from farhand.robot_side.kernel.stopping import together
+from farhand.robot_side.kernel.room import room
+from farhand.robot_side.kernel.stopping import can_stop, together
 from farhand.robot_side.kernel.velocity import MAX_ACCELERATION, YIELDED
+from farhand.robot_side.safety.guard.crowding import Crowding
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.surroundings import Surroundings
 
@@ -146,6 +148,7 @@ class ArmGuard:
         nothing = Surroundings(np.zeros((0, COLUMNS)), np.zeros((0, 3)), ())
         still, upright = np.zeros(n), np.ascontiguousarray(arm.tool_pose(arm.home)[0])
         self.command(Joints(self._home, still, still), np.zeros(3), np.zeros(3), upright, nothing)
+        self.crowded(Joints(self._home, still, still), nothing)
 
     def command(
         self,
@@ -189,6 +192,32 @@ class ArmGuard:
         self.braked += what in (kernel.HALVED, kernel.BRAKING_NOW)
         self.did = self._intervention(int(what), v, around) if said[kernel.PART] >= 0 else None
         return self._qd
+
+    def crowded(self, joints: Joints, around: Surroundings) -> Crowding | None:
+        """A part and an obstacle of which this could not keep one off the other from now on; None: there are none.
+
+        Too near is what is nearer than d_min, and what the joints would come to before they stand.
+        """
+        body, par, acceleration = self.body, self._par, self._limits[MAX_ACCELERATION]
+        speeds = np.maximum(np.abs(joints.qd), np.abs(joints.commanded)) + np.abs(
+            joints.qd - joints.commanded
+        )
+        longest = float((speeds / (par[moving.STOP_SHARE] * acceleration)).max())
+        way = float((body.reach @ speeds).max()) * (par[moving.REACTION] + 0.5 * longest)
+        near = np.zeros((len(body.parts) * len(around.ids), 5))
+        enough = par[moving.CHECK] + way
+        count = room(body.chain, body.capsules, joints.q, around.rows, around.vertices, enough, near)
+        worst = int(np.argmin(near[:count, 4])) if count else -1
+        if worst < 0 or near[worst, 4] >= self._limit:
+            clear, part, other = can_stop(
+                body.chain, body.capsules, body.reach, body.pairs, body.slack, joints.q, joints.commanded, joints.qd,
+                joints.commanded, acceleration, around.rows, around.vertices, near, count, par,
+            )  # fmt: skip
+            if clear:
+                return None
+            worst = next(k for k in range(count) if (near[k, 0], near[k, 1]) == (part, other))
+        part, other = int(near[worst, 0]), int(near[worst, 1])
+        return Crowding(body.parts[part], around.ids[other], float(near[worst, 4]), self._limit)
 
     def halt(self, previous: Array) -> Array:
         """Joint velocities with which the joints brake together, on the way that was checked (n,), rad/s."""

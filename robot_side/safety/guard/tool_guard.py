@@ -6,7 +6,7 @@ import numpy as np
 
 from farhand.common.geometry import Twist, Vector3
 from farhand.common.messages.intervention import Intervention, deed
-from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY
+from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY, nearest_row
 from farhand.robot_side.kernel.sphere_guard import (
     BAD,
     BRAKED,
@@ -23,7 +23,9 @@ from farhand.robot_side.kernel.sphere_guard import (
     PINCHED,
     RADIUS,
     guard,
+    stopping,
 )
+from farhand.robot_side.safety.guard.crowding import Crowding
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.surroundings import Surroundings
 
@@ -33,6 +35,8 @@ DOUBT = 0.5
 """Share by which lag and acceleration may be other than they are said to be."""
 RATE = 5.0
 """1/s: kappa."""
+LEAST_STEP = 5e-4
+"""m, on the way on which the sphere is looked ahead for."""
 
 
 class ToolGuard:
@@ -66,6 +70,9 @@ class ToolGuard:
         self.pinched = 0
         # compiled, or loaded, now and not in the first period
         guard(self._given, np.zeros((0, COLUMNS)), np.zeros((0, 3)), par, self._u, self._facts)
+        self.crowded(
+            (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), Surroundings(np.zeros((0, COLUMNS)), np.zeros((0, 3)), ())
+        )
 
     @property
     def nearest(self) -> float:
@@ -91,6 +98,25 @@ class ToolGuard:
         self.pinched += done == PINCHED
         self.did = self._intervention(asked.linear, (x, y, z), done == BRAKED, around)
         return Twist((x, y, z), asked.angular)
+
+    def crowded(self, position: Vector3, velocity: Vector3, around: Surroundings) -> Crowding | None:
+        """An obstacle that this could not keep the sphere off from now on; None: there is none.
+
+        Too near is what is nearer than d_min, now or on the straight way until the robot stands.
+        """
+        par, speed = self._par, float(np.linalg.norm(velocity))
+        way = speed * (par[DT] + stopping(speed, par[LAG_HIGH], par[LIMIT]))
+        here, ahead = np.array(position), np.array(velocity) / (speed or 1.0)
+        gone, now = 0.0, None
+        while True:
+            there = here + gone * ahead
+            gap, index = nearest_row(there, there, par[RADIUS], around.rows, around.vertices)
+            now = gap if now is None else now
+            if gap < self._limit:
+                return Crowding("tool", around.ids[index], float(now), self._limit)
+            if gone >= way:
+                return None
+            gone = min(way, gone + max(gap - self._limit, LEAST_STEP))
 
     def _intervention(
         self, asked: Vector3, done: Vector3, braked: bool, around: Surroundings
