@@ -50,3 +50,7 @@ class Scene(Message, frozen=True, kw_only=True):
     def changes(self) -> int:
         """The revision, 0 before the first change."""
         return self.revision or 0
+
+    def overtaken_by(self, known: "Scene | None") -> bool:
+        """Whether a newer one of the same start of the robot is known already: what this says is over."""
+        return known is not None and known.session == self.session and self.seq < known.seq

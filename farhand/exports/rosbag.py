@@ -79,6 +79,7 @@ class _Story:
         self._epoch_ns = source.info.epoch_ns
         self._body: Body | None = None
         self._happenings = Happenings()
+        self._scene: Scene | None = None
         self._told: set[tuple[str, int]] = set()
 
     def said(self) -> Said:
@@ -95,7 +96,8 @@ class _Story:
             if isinstance(message, RobotDescription):
                 if self._body is None or not self._body.robot.same_robot(message):
                     self._body = Body(message)
-            elif isinstance(message, Scene):
+            elif isinstance(message, Scene) and not message.overtaken_by(self._scene):
+                self._scene = message
                 yield "/obstacles", at_ns, self._ros.obstacles(at_ns, message.obstacles)
             elif isinstance(message, RobotState):
                 yield from self._state(message, arrived_ns)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
+from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.recording.decoded import DecodedTick
 from farhand.common.recording.fates import Fate
@@ -59,6 +60,8 @@ def _tick(
         if isinstance(message, RobotState):
             files["states"].add(state_row(run, tick.record.number, arrived_ns, message, start_ns))
             over += follows.state(message, arrived_ns)
+        elif isinstance(message, Scene):
+            over += follows.scene(message, arrived_ns)
     if tick.report is not None:
         over += follows.tick(tick.report, tick.record.now_ns)
     for happening in over:

@@ -4,8 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.runs.guard_words import guard_words
+from farhand.runs.scene_words import scene_words
 
 OVER_NS = 300_000_000
 """What is not seen again for so long is over: the guard is told of once a state, the filter once a tick."""
@@ -14,7 +16,7 @@ OVER_NS = 300_000_000
 @dataclass(slots=True)
 class Happening:
     """Attributes:
-    kind: `filter`, `guard`, `stop`, `refused`, `held`.
+    kind: `filter`, `guard`, `stop`, `refused`, `held`, `scene`.
     words: for people.
     began_ns, seen_ns: first and newest instant at which it was so (operator's clock).
     facts: numbers and names, as text.
@@ -33,6 +35,7 @@ class Happenings:
     def __init__(self) -> None:
         self._going: dict[str, Happening] = {}
         self._refused = 0
+        self._scene: Scene | None = None
 
     def tick(self, report: ControlReport, now_ns: int) -> Iterator[Happening]:
         """What is over with this tick."""
@@ -72,6 +75,14 @@ class Happenings:
                 {"commands": str(new)},
             )
         self._refused = max(self._refused, refused)
+
+    def scene(self, scene: Scene, now_ns: int) -> Iterator[Happening]:
+        """A change of the obstacles since the scene before."""
+        if scene.overtaken_by(self._scene):
+            return
+        words, self._scene = scene_words(self._scene, scene), scene
+        if words:
+            yield Happening("scene", words, now_ns, now_ns, {"revision": str(scene.changes)})
 
     def end(self) -> Iterator[Happening]:
         """What is going on when nothing more comes."""

@@ -135,8 +135,13 @@ class FoxgloveView:
         yield self._scene_update(self._body.entities(now_ns + self._epoch_ns), now_ns)
 
     def _take_scene(self, scene: Scene, now_ns: int) -> Iterator[Said]:
+        known = self._scene
+        if scene.overtaken_by(known):
+            return
+        for happening in self._happenings.scene(scene, now_ns):
+            yield from self._told(happening)
         at_ns = now_ns + self._epoch_ns
-        gone = self._names() if self._scene is not None else set()
+        gone = self._names() if known is not None else set()
         self._scene, self._scene_ns, self._shell = scene, now_ns, -1.0
         gone -= self._names()
         drawn = [self._drawn(each, at_ns) for each in scene.obstacles]

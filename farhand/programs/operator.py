@@ -51,6 +51,7 @@ from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, source_state, versions
 from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario, scenario_to_table
+from farhand.runs.scene_words import scene_words
 from farhand.site.acknowledge import AcknowledgeServer
 from farhand.site.estop import EstopServer
 from farhand.site.handover import HandoverServer
@@ -99,8 +100,11 @@ class Course:
             self._robot = robot
             self._tell_new(difference(robot, self._scenario))
         if scene is not None and scene is not self._scene:
-            self._scene = scene
-            self._tell_new(scene_difference(scene, self._scenario))
+            changed, self._scene = scene_words(self._scene, scene), scene
+            if changed:
+                self._tell(changed)
+            elif not scene.changes:  # after a change it differs from the scenario by intent
+                self._tell_new(scene_difference(scene, self._scenario))
 
     def _tell_new(self, line: str) -> None:
         if line and line not in self._differs:

@@ -20,7 +20,7 @@ def clearance(story: Story, marks: str) -> Chart:
     limit = limit_of(story)
     states, ticks = story.states, story.ticks
     lines = []
-    if story.scene is None or story.scene.obstacles:
+    if story.scene is None or story.had_obstacles:
         if limit is not None:
             keep = (limit + ticks["inflation"]) * MM
             lines.append(

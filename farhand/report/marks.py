@@ -14,6 +14,7 @@ KINDS = {
     "hold": "standing for want of something",
     "stuck": "no progress",
     "refused": "refusals",
+    "scene": "changes of the scene",
 }
 ROW, LEAST = 14.0, 1.2
 MOST_LINKS = 400

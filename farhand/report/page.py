@@ -163,6 +163,9 @@ def _path(found: space.Space, corners: Array, number: int) -> str:
         said += (
             f" Planes are drawn only where they are seen from the side, and not in 3-D: {', '.join(planes)}."
         )
+    if found.changes:
+        times = "once" if found.changes == 1 else f"{found.changes} times"
+        said += f" The scene was changed {times} while it ran: obstacles are those of its end, as told below."
     data = json.dumps(space.for_turning(found, corners), separators=(",", ":")).replace("<", "\\u003c")
     return (
         f'<div class="turns" hidden><canvas class="turning" data-scene="scene{number}" tabindex="0" '

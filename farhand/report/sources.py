@@ -58,8 +58,8 @@ def overruns_of(run: Evidence) -> int | None:
 def clearance_of(run: Evidence) -> float | None:
     """The least of the tool's sphere (m), at the robot's own rate; obstacles that are not there are no distance."""
     told = run.robot.min_clearance if run.robot is not None else run.story.least
-    scene = run.story.scene
-    return None if told is None or (scene is not None and not scene.obstacles) else told
+    story = run.story
+    return None if told is None or (story.scene is not None and not story.had_obstacles) else told
 
 
 def arm_of(run: Evidence) -> float | None:

@@ -50,6 +50,7 @@ class Space:
     obstacles: Sequence[Obstacle]
     targets: Sequence[tuple[float, float, float]]
     around: tuple[float, float]
+    changes: int = 0
 
     @property
     def corners(self) -> Array:
@@ -85,7 +86,8 @@ def space_of(story: Story) -> Space:
         path=places[rows],
         begins=np.diff(begun, prepend=begun[:1]) > 0,
         near=near[rows],
-        nearest=int(clearance[rows].argmin()) if len(rows) and obstacles else None,
+        nearest=int(clearance[rows].argmin()) if len(rows) and story.had_obstacles else None,
+        changes=story.scene_changes,
         obstacles=obstacles,
         targets=scene.targets if scene is not None else (),
         around=((story.robot.radius if story.robot is not None else 0.0), limit),

@@ -62,6 +62,8 @@ class Story:
         happenings: what happened, in the order of its beginning.
         untold: happenings beyond those that are kept.
         scene, robot: the newest; None: never arrived.
+        scene_changes: how often the obstacles were seen to be changed.
+        had_obstacles: whether there ever were any.
         last: the newest report; None: there is none.
         least: smallest clearance that the robot told of, at its own rate (m); None: none did.
         network: what became of messages at the emulator.
@@ -81,6 +83,8 @@ class Story:
     happenings: list[Happening] = field(default_factory=list)
     untold: int = 0
     scene: Scene | None = None
+    scene_changes: int = 0
+    had_obstacles: bool = False
     robot: RobotDescription | None = None
     last: ControlReport | None = None
     least: float | None = None
@@ -153,7 +157,7 @@ class _Reading:
             if isinstance(message, RobotState):
                 self._state(message, arrived_ns)
             elif isinstance(message, Scene):
-                story.scene = message
+                self._scene(message, arrived_ns)
             elif isinstance(message, RobotDescription):
                 story.robot = message
         report = tick.report
@@ -221,6 +225,17 @@ class _Reading:
             state.clearance,
             state.arm_clearance,
         )
+
+    def _scene(self, scene: Scene, arrived_ns: int) -> None:
+        """The newest by its number."""
+        story = self._story
+        if scene.overtaken_by(story.scene):
+            return
+        for happening in self._happenings.scene(scene, arrived_ns):
+            self._keep(happening)
+            story.scene_changes += 1
+        story.scene = scene
+        story.had_obstacles = story.had_obstacles or bool(scene.obstacles)
 
     def _take_fate(self, data: bytes) -> None:
         try:

@@ -88,11 +88,26 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
         ("guard", _guard(summary)),
         ("stops", _stops(summary)),
         ("refused", f"{summary.refused} commands: {count_reasons(summary.refused_by.items())}"),
+        ("scene", _scene(summary)),
         ("stood", _stood(summary)),
         ("follows", _follows(summary)),
     ]
     left_out = {"refused"} if not summary.refused else set()
     return [(label, text) for label, text in rows if text and label not in left_out]
+
+
+def _scene(summary: RunSummary) -> str:
+    """Changes of the obstacles while it ran; empty: there were none."""
+    robot = summary.counts.robot
+    if robot is None or not (robot.scene_changes or robot.scene_refused):
+        return ""
+    refused = sum(robot.scene_refused.values())
+    told = f"changed {robot.scene_changes} times while it ran" if robot.scene_changes else "not changed"
+    return (
+        f"{told}, {refused} requests refused: {count_reasons(robot.scene_refused.items())}"
+        if refused
+        else told
+    )
 
 
 def _clearance(summary: RunSummary) -> str:

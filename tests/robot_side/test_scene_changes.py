@@ -134,7 +134,7 @@ def test_what_makes_no_sense_is_refused_in_one_line(ask, said):
 def test_too_many_are_refused_and_an_unknown_one_is_named():
     bench = Bench()
     many = [Obstacle(f"o{k}", (9.0, 0.1 * k, 0.0), 0.01) for k in range(1024)]
-    assert "1025 obstacles, at most 1024" in bench.ask("add", *many).refusal
+    assert "1026 obstacles, at most 1024" in bench.ask("add", *many).refusal
     assert "no obstacle 'gone'; there are " in bench.ask("remove", gone=("gone",)).refusal
 
 

@@ -163,7 +163,7 @@ class Outward:
             self._take_report(message, at_ns)
         elif isinstance(message, VelocityCommand):
             self._story.command = message
-        elif isinstance(message, Scene):
+        elif isinstance(message, Scene) and not message.overtaken_by(self._story.scene):
             self._story.scene, self._story.scene_ns, self._story.stood_ns = message, at_ns, -(1 << 62)
         elif isinstance(message, RobotDescription):
             if self._arm is None or not self._arm.robot.same_robot(message):
