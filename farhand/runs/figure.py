@@ -148,10 +148,9 @@ def margin_when_nearest(series: Series) -> float:
 def _draw_path(axes: Any, scenario: Scenario, summary: RunSummary, path: Array, series: Series) -> None:
     a, b = plane_of(scenario, path)
     _draw_obstacles(axes, scenario, (a, b), path, margin_when_nearest(series))
-    if summary.scene_changes:
-        note = (
-            f"obstacles are the scenario's; the scene was changed {summary.scene_changes} times while it ran"
-        )
+    robot = summary.counts.robot
+    if robot is not None and robot.scene_changes:
+        note = "obstacles are the scenario's; the scene was changed while it ran"
         axes.text(0.02, 0.97, note, transform=axes.transAxes, fontsize=6.5, color=RED)
     hidden = passing(scenario, path, (a, b))
     x, y = path[:, 1 + a], path[:, 1 + b]

@@ -12,13 +12,15 @@ from farhand.robot_side.kernel.rows import SHORT_LEVER
 
 
 @compiled
-def room(chain, capsules, q, rows, vertices, enough, near):
+def room(chain, capsules, q, rows, vertices, enough, foot, near):
     """Fill `near` with the parts that are nearer than `enough` (m) to an obstacle at q; returns how many.
 
-    A part of which the joints hardly move the nearest point is looked at without that half of it.
+    A part of which the joints hardly move the nearest point is looked at without that half of it, unless that is nearer
+    than `foot`.
 
     Args:
         q: (n,) where the joints are (rad).
+        foot: (m).
         near: (capsules * obstacles, 5): capsule, obstacle, t0, t1 of the capsule's part, distance (m).
     """
     n, c = q.shape[0], capsules.shape[0]
@@ -43,7 +45,7 @@ def room(chain, capsules, q, rows, vertices, enough, near):
                 wx, wy, wz = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])
                 row[:] = 0.0
                 add_row(Z, p, joint, wx, wy, wz, nx, ny, nz, 1.0, row)
-                if np.abs(row).sum() >= SHORT_LEVER:
+                if d < foot or np.abs(row).sum() >= SHORT_LEVER:
                     if d < enough:
                         near[count, 0], near[count, 1], near[count, 2], near[count, 3] = i, j, t0, t1
                         near[count, 4] = d

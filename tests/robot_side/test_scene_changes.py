@@ -1,12 +1,17 @@
 """Changes of a running robot's scene, in virtual time: obeyed once, announced, and never on the robot."""
 
 import msgspec
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from farhand.common.messages.scene import Obstacle
 from farhand.common.messages.scene_request import SceneRequest
+from farhand.common.seeds import stream
+from farhand.common.shapes.box import Box
+from farhand.common.shapes.capsule import Capsule
+from farhand.common.shapes.sphere import Sphere
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario, replace_setting
@@ -54,6 +59,9 @@ class Bench:
         self.link.feed(request, self.now)
         self.tick(7)  # an answer waits for 0.1 s at the most
         return self.answer_to(request)
+
+    def answer_to_last(self):
+        return next(a for a in self.scenes[-1].answers if a.session == 100 + self.asked)
 
     def answer_to(self, request):
         return next((a for a in self.scenes[-1].answers or () if a.session == request.session), None)
@@ -262,3 +270,64 @@ def test_whatever_is_replayed_or_late_the_scene_is_what_was_obeyed_last(deeds, r
         bench.tick(6)
         assert bench.ids == truth
         assert sum(bench.node.scene_intake.revision == s.changes for s in bench.scenes[-1:]) == 1
+
+
+NEAR = st.floats(-0.6, 0.6, allow_nan=False)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.tuples(*[st.floats(-0.5, 0.5, allow_nan=False)] * 3),
+    st.lists(st.tuples(NEAR, NEAR, NEAR, st.integers(0, 15)), min_size=1, max_size=8),
+)
+def test_no_obstacle_that_is_let_in_is_ever_nearer_than_the_guard_keeps(velocity, comers):
+    """Commanded on as before, whatever comes: what was let in is kept off."""
+    bench = Bench(msgspec.structs.replace(SCENARIO, obstacles=()))
+    seq = 0
+    for number, (x, y, z, ticks) in enumerate(comers):
+        for _ in range(ticks + 4):
+            seq += 1
+            bench.link.feed(command(seq, velocity=velocity, echo=echo_of(bench.states[-1])), bench.now)
+            bench.tick()
+        at = tuple(a + b for a, b in zip(bench.states[-1].position, (x, y, z), strict=True))
+        bench.link.feed(bench.request("add", Obstacle(f"o{number}", at, 0.1)), bench.now)
+    for _ in range(100):
+        seq += 1
+        bench.link.feed(command(seq, velocity=velocity, echo=echo_of(bench.states[-1])), bench.now)
+        bench.tick()
+    nearest = bench.node.summary().min_clearance
+    assert nearest is None or nearest >= SCENARIO.guard.d_min
+
+
+def test_an_arm_keeps_off_whatever_is_let_in_beside_it_while_it_moves():
+    """Spheres, boxes and capsules all around a UR5 that is driven to and fro; the nearest are refused by name."""
+    scenario = msgspec.structs.replace(load_scenario("ur5-obstacle"), obstacles=())
+    bench, rng = Bench(scenario), stream(3, "comers")
+    period, let_in, refused, seq = round(scenario.robot.rate_hz * 0.02), 0, [], 0
+    for number in range(60):
+        way = rng.uniform(-0.25, 0.25, 3)
+        for _ in range(10):
+            seq += 1
+            drive = command(seq, velocity=tuple(way.tolist()), echo=echo_of(bench.states[-1]))
+            bench.link.feed(drive, bench.now)
+            bench.tick(period)
+        at = np.array(bench.states[-1].position) * rng.uniform(0.0, 1.1) + rng.uniform(-0.25, 0.25, 3)
+        shape = (Sphere(0.04), Box((0.03, 0.05, 0.04)), Capsule(0.02, 0.1))[number % 3]
+        one = Obstacle(f"o{number}", tuple(at.tolist()), shape=shape)
+        bench.ask("add", one)
+        bench.tick(50)  # an answer waits for 0.1 s at the most
+        answer = bench.answer_to_last()
+        if answer.refusal:
+            refused.append(answer.refusal)
+        else:
+            let_in += 1
+            if let_in % 3 == 0:
+                bench.ask("remove", gone=(one.id,))
+    result = bench.node.summary()
+    assert result.min_arm_clearance >= scenario.guard.d_min
+    assert result.stops == 0
+    assert let_in > 10
+    assert any(" mm inside obstacle 'o" in line and "link" in line for line in refused)
+    assert any("moves too fast" in line for line in refused) or any(
+        " mm from obstacle" in line for line in refused
+    )

@@ -1,4 +1,7 @@
-"""The three programs on three hosts, with TLS, driving a point robot to and fro, watched on both ends."""
+"""The three programs on three hosts, with TLS, driving a robot to and fro, watched on both ends.
+
+The robot is a point, or a UR5 whose emulated controller runs on the robot's host.
+"""
 
 import json
 import re
@@ -26,6 +29,7 @@ AFTER = 1.0
 LAST = 8
 """Lines of each program that are shown where none drives."""
 NETWORK = "constant:20"
+CONTROLLER_RATE_HZ = 125.0
 LAWFUL = "operator.alice"
 PROGRAMS = ("netem", "robot", "operator")
 STATES_SEEN, COMMANDS_SEEN = "tls/127.0.0.1:7453", "tls/127.0.0.1:7454"
@@ -38,20 +42,23 @@ class Rig:
     Args:
         folder: for certificates, logs, and what attackers have.
         attack_time: how long an attack goes on (s).
+        kind: of the robot, `point` or `ur`.
     """
 
-    def __init__(self, folder: Path, attack_time: float = 5.0) -> None:
+    def __init__(self, folder: Path, attack_time: float = 5.0, kind: str = "point") -> None:
         self.folder, self.attack_time, self.clock = folder, attack_time, SystemClock()
         self._patience = FIRST_PATIENCE
         self.certificates = folder / "certs"
         _issue_all(self.certificates, folder / "foreign")
         self.scenario_file = folder / "to-and-fro.toml"
-        self.scenario_file.write_text(_to_and_fro())
+        self.scenario_file.write_text(_arm_to_and_fro() if kind == "ur" else _to_and_fro())
         self.scenario = load_scenario(str(self.scenario_file))
         self.hosts = Hosts()
         self.programs: dict[str, subprocess.Popen[str]] = {}
         self.states = self.observe("robot", f"{LISTEN}{STATES_SEEN}")
         self.commands = self.observe("operator", f"{LISTEN}{COMMANDS_SEEN}")
+        if kind == "ur":
+            self._start_controller()
         for program in PROGRAMS:
             self.start(program)
         self.reports = self.observe("operator", "tcp/127.0.0.1:7446")
@@ -63,6 +70,18 @@ class Rig:
         self.programs[program] = self.hosts.start(
             program, "farhand", *words, log=self.log(program), environment=environment
         )
+
+    def _start_controller(self) -> None:
+        log = self.folder / "controller.log"
+        words = ("ur", "emulator", "--rate", f"{CONTROLLER_RATE_HZ:g}", "--scenario", str(self.scenario_file))
+        self.hosts.start("robot", "farhand", *words, log=log)
+        end_ns = self.clock.now_ns() + to_ns(FIRST_PATIENCE)
+        while "Ctrl-C" not in log.read_text(errors="replace"):
+            if self.clock.now_ns() > end_ns:
+                raise FarhandError(
+                    f"the emulated controller does not start: {log.read_text(errors='replace')[-500:]}"
+                )
+            self.pause(0.1)
 
     def _words(self, program: str, tls: str) -> Words:
         scenario = str(self.scenario_file)
@@ -212,8 +231,19 @@ def _issue_all(folder: Path, foreign: Path) -> None:
 
 def _to_and_fro() -> str:
     """The point robot's built-in scenario with 250 targets below its obstacles."""
-    source = (Path(__file__).parents[2] / "scenarios" / "point-obstacle.toml").read_text()
-    targets = [[4.0, 0.0, 0.6], [0.6, 0.0, 0.6]] * 125
-    return re.sub(r"(?m)^targets = .*$", f"targets = {targets}", source).replace(
-        '"point-obstacle"', '"to-and-fro"', 1
+    return _with_targets("point-obstacle", [[4.0, 0.0, 0.6], [0.6, 0.0, 0.6]])
+
+
+def _arm_to_and_fro() -> str:
+    """The UR5's built-in scenario with 250 targets over its obstacle, for an arm behind a controller on its host."""
+    source = _with_targets("ur5-obstacle", [[0.45, 0.35, 0.48], [0.45, -0.35, 0.48]])
+    return source.replace(
+        'kind = "ur5"', f'kind = "ur"\nmodel = "ur5"\nhost = "127.0.0.1"\nrate_hz = {CONTROLLER_RATE_HZ:g}', 1
+    )
+
+
+def _with_targets(name: str, ends: list[list[float]]) -> str:
+    source = (Path(__file__).parents[2] / "scenarios" / f"{name}.toml").read_text()
+    return re.sub(r"(?m)^targets = .*$", f"targets = {ends * 125}", source).replace(
+        f'"{name}"', '"to-and-fro"', 1
     )

@@ -36,10 +36,10 @@ def run_fault(rig: Rig, breakage: Breakage) -> Outcome | str:
     return outcome
 
 
-def run_all(only: str, say: Say) -> tuple[dict[str, Outcome | str], list[Attacked]]:
+def run_all(only: str, say: Say, kind: str = "point") -> tuple[dict[str, Outcome | str], list[Attacked]]:
     """Do the faults and attacks whose name holds `only`."""
     with tempfile.TemporaryDirectory() as folder:
-        rig = Rig(Path(folder))
+        rig = Rig(Path(folder), kind=kind)
         try:
             faults: dict[str, Outcome | str] = {}
             for name, breakage in breakages().items():
@@ -62,6 +62,9 @@ def main() -> int:
     parser.add_argument("--only", default="", help="faults and attacks whose name holds this")
     parser.add_argument("--list", action="store_true", help="only say what there is")
     parser.add_argument("--markdown", action="store_true", help="print the tables for docs/faults.md")
+    parser.add_argument(
+        "--robot", default="point", choices=("point", "ur"), help="ur: a UR5 behind an emulated controller"
+    )
     options = parser.parse_args()
     names = [name for name in (*breakages(), *attacks()) if options.only in name]
     if options.list:
@@ -78,6 +81,7 @@ def main() -> int:
         faults, attacked = run_all(
             options.only,
             lambda name: print(f"{next(done)} of {len(names)}: {name}", file=sys.stderr, flush=True),
+            options.robot,
         )
     except FarhandError as error:
         print(f"faults: {error}", file=sys.stderr)

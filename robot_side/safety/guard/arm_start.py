@@ -4,6 +4,7 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.model import ArmModel
+from farhand.robot_side.kernel.distance import NOTHING
 from farhand.robot_side.kernel.room import room
 from farhand.robot_side.safety.guard.arm_guard import body_of, self_gaps
 from farhand.robot_side.safety.guard.start import Start, refusal
@@ -22,7 +23,7 @@ def check_arm_clear(scenario: Start, arm: ArmModel, q: Array) -> None:
     table = surroundings_of(scenario.obstacles)
     near = np.zeros((len(body.parts) * len(table.ids), 5))
     q = np.ascontiguousarray(q, dtype=float)
-    if room(body.chain, body.capsules, q, table.rows, table.vertices, scenario.guard.d_min, near):
+    if room(body.chain, body.capsules, q, table.rows, table.vertices, scenario.guard.d_min, -NOTHING, near):
         part, name = body.parts[int(near[0, 0])], table.ids[int(near[0, 1])]
         raise refusal(scenario, f"{part} of the {arm.title}", float(near[0, 4]), f"obstacle {name!r}")
     for k, gap in enumerate(self_gaps(body, q) + body.slack):
