@@ -196,8 +196,7 @@ class ArmGuard:
     def crowded(self, joints: Joints, around: Surroundings) -> Crowding | None:
         """A part and an obstacle of which this could not keep one off the other from now on; None: there are none.
 
-        Too near is what is nearer than d_min, or in what the joints hardly move, and what they would come to before
-        they stand.
+        Too near is what is nearer than d_min to a part that moves, and what the joints would come to before they stand.
         """
         body, par, acceleration = self.body, self._par, self._limits[MAX_ACCELERATION]
         speeds = np.maximum(np.abs(joints.qd), np.abs(joints.commanded)) + np.abs(
@@ -207,7 +206,9 @@ class ArmGuard:
         way = float((body.reach @ speeds).max()) * (par[moving.REACTION] + 0.5 * longest)
         near = np.zeros((len(body.parts) * len(around.ids), 5))
         enough = par[moving.CHECK] + way
-        count = room(body.chain, body.capsules, joints.q, around.rows, around.vertices, enough, 0.0, near)
+        count = room(
+            body.chain, body.capsules, joints.q, around.rows, around.vertices, enough, self._limit, near
+        )
         worst = int(np.argmin(near[:count, 4])) if count else -1
         if worst < 0 or near[worst, 4] >= self._limit:
             clear, part, other = can_stop(

@@ -4,6 +4,7 @@ import signal
 
 import pytest
 
+from farhand.cli import run
 from farhand.common.link.ports import free_ports
 from farhand.trials.ur.faults import FAULTS, strike
 from farhand.trials.ur.hand import Hand
@@ -61,6 +62,40 @@ def test_a_hung_program_is_not_waited_for(rig):
     assert 0.06 < stood <= 0.2
     rig.wait(lambda: rig.mode() == "stopped", "a stop")
     rig.drive()
+
+
+def test_obstacles_come_and_go_while_it_drives_but_not_onto_the_arm(rig, capsys):
+    at = ("--robot", "ur", "--connect", rig.endpoint)
+    rig.drive()
+    stops = rig.hand.state.stops
+    here = ",".join(f"{x:.3f}" for x in rig.hand.state.position)
+    assert run(["scene", "add", "--id", "bump", "--at", here, "--size", "0.2", *at]) == 1
+    said = capsys.readouterr().err
+    assert "_link is " in said
+    assert "mm inside obstacle 'bump'; 10 mm are kept" in said
+    assert (
+        run(
+            [
+                "scene",
+                "add",
+                "--id",
+                "post",
+                "--shape",
+                "box",
+                "--at",
+                "-0.6,0,0.3",
+                "--size",
+                "0.1,0.1,0.3",
+                *at,
+            ]
+        )
+        == 0
+    )
+    assert "scene revision 1, 2 obstacles: ball, post" in capsys.readouterr().out
+    assert run(["scene", "remove", "post", *at]) == 0
+    rig.wait(lambda: "scene: revision 2 by " in rig.said("robot"), "the robot's line")
+    rig.wait(rig.moves, "the arm to drive on")
+    assert rig.hand.state.stops == stops
 
 
 def test_a_second_program_is_refused_in_one_line(rig):
