@@ -21,6 +21,9 @@ SPEAKS_FOR = 0.1
 WAITS_FOR = 1.0
 STEP = 0.001
 """s."""
+ATTEMPTS = 3
+"""To measure; a host under load may fall silent by itself."""
+ENDED_BEFORE = -1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +53,18 @@ def measured_deadline(link: UrLink, settings: UrSettings, clock: SystemClock) ->
     why = _until_ready(link, clock)
     if why:
         return Deadline(f"not measured, since {why}")
-    _speak(link, clock)
-    silent = _silence(link, clock)
+    silent = ENDED_BEFORE
+    for _ in range(ATTEMPTS):
+        _speak(link, clock)
+        silent = _silence(link, clock)
+        if silent != ENDED_BEFORE:
+            break
+        link.try_again()
+        _until_ready(link, clock)
+    if silent == ENDED_BEFORE:
+        return Deadline(
+            "not measured, since this host sent too late itself; it is too slow for this", kept=False
+        )
     if silent is None:
         return Deadline("the controller's program went on without messages", kept=False)
     link.try_again()
@@ -85,12 +98,17 @@ def _speak(link: UrLink, clock: SystemClock) -> None:
 
 
 def _silence(link: UrLink, clock: SystemClock) -> float | None:
-    """How long after the last message the program stopped (s), by the controller's clock; None: it did not."""
+    """How long after the last message the program stopped (s), by the controller's clock; None: it did not.
+
+    ENDED_BEFORE where it was never seen to run: it stopped while it was spoken to, and nothing was measured.
+    """
     end_ns = clock.now_ns() + to_ns(WAITS_FOR)
     number, heard = -1, 0.0
     while (now_ns := clock.now_ns()) < end_ns:
         link.poll(now_ns, starts=False)
         for values in link.client.fresh:
+            if number == -1 and int(values[ENDED]) == BY_DEADLINE:
+                return ENDED_BEFORE
             if int(values[HEARD]) != number:
                 number, heard = int(values[HEARD]), float(values["timestamp"])
             if int(values[ENDED]) == BY_DEADLINE:

@@ -36,22 +36,21 @@ def run_fault(rig: Rig, breakage: Breakage) -> Outcome | str:
     return outcome
 
 
-def run_all(only: str, say: Say, kind: str = "point") -> tuple[dict[str, Outcome | str], list[Attacked]]:
-    """Do the faults and attacks whose name holds `only`."""
+def run_all(
+    only: str, say: Say, kind: str, faults: dict[str, Outcome | str], attacked: list[Attacked]
+) -> None:
+    """Do the faults and attacks whose name holds `only`; what came of each is put into `faults` and `attacked`."""
     with tempfile.TemporaryDirectory() as folder:
         rig = Rig(Path(folder), kind=kind)
         try:
-            faults: dict[str, Outcome | str] = {}
             for name, breakage in breakages().items():
                 if only in name:
                     say(name)
                     faults[name] = run_fault(rig, breakage)
-            attacked = []
             for name, attack in attacks().items():
                 if only in name:
                     say(name)
                     attacked.append(perform(rig, name, attack))
-            return faults, attacked
         finally:
             rig.hosts.close()
 
@@ -77,15 +76,18 @@ def main() -> int:
         print(f"faults: {problem}", file=sys.stderr)
         return 2
     done = iter(range(1, len(names) + 1))
+    faults: dict[str, Outcome | str] = {}
+    attacked: list[Attacked] = []
+    trouble = ""
+
+    def say(name: str) -> None:
+        print(f"{next(done)} of {len(names)}: {name}", file=sys.stderr, flush=True)
+
     try:
-        faults, attacked = run_all(
-            options.only,
-            lambda name: print(f"{next(done)} of {len(names)}: {name}", file=sys.stderr, flush=True),
-            options.robot,
-        )
-    except FarhandError as error:
+        run_all(options.only, say, options.robot, faults, attacked)
+    except FarhandError as error:  # what was measured before is told all the same
+        trouble = str(error)
         print(f"faults: {error}", file=sys.stderr)
-        return 1
     for headings, rows in (
         (FAULT_HEADINGS, [fault_row(*fault) for fault in faults.items()]),
         (ATTACK_HEADINGS, [attack_row(each) for each in attacked]),
@@ -95,7 +97,7 @@ def main() -> int:
         elif rows:
             show(headings, rows)
     safe = all(isinstance(o, str) or o.safe for o in faults.values()) and all(a.safe for a in attacked)
-    return 0 if safe else 1
+    return 0 if safe and not trouble else 1
 
 
 if __name__ == "__main__":
