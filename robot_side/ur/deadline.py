@@ -53,7 +53,7 @@ def measured_deadline(link: UrLink, settings: UrSettings, clock: SystemClock) ->
     why = _until_ready(link, clock)
     if why:
         return Deadline(f"not measured, since {why}")
-    silent = ENDED_BEFORE
+    silent: float | None = ENDED_BEFORE
     for _ in range(ATTEMPTS):
         _speak(link, clock)
         silent = _silence(link, clock)
