@@ -1,0 +1,46 @@
+"""One target in a process of its own, under atheris: `python -m farhand.trials.fuzz.one NAME [libFuzzer's options]`."""
+
+import sys
+
+from farhand.common.process.signals import die_with_parent
+
+COMPILED = (
+    "farhand.robot_side.kernel",
+    "farhand.operator_side.control.newton_kernel",
+    "farhand.operator_side.control.checks.body_kernel",
+    "farhand.common.compiled",
+)
+"""Translated by Numba, which takes no instrumented code."""
+LIBRARIES = ("tomllib", "mcap", "rosbags", "xml")
+"""Of the edges that are made of Python; they are instrumented as well."""
+
+
+def main() -> None:
+    """Fuzz until libFuzzer's options say that it is over, or there is a finding, which ends it with another code."""
+    import atheris
+
+    die_with_parent()
+    name, *options = sys.argv[1:]
+    with atheris.instrument_imports(include=["farhand", *LIBRARIES], exclude=list(COMPILED)):
+        from farhand.trials.fuzz.registry import target_called
+
+        target = target_called(name)
+    import numpy as np
+
+    from farhand.trials.fuzz.mutation import by_shape
+
+    take = target.start()
+
+    def change(data: bytes, longest: int, seed: int) -> bytes:
+        if target.shape in ("map", "json") and seed % 3:
+            found = by_shape(target, data[target.head :], np.random.default_rng(seed))
+            if found is not None:
+                return bytes((data[: target.head] + found)[:longest])
+        return bytes(atheris.Mutate(data, longest))
+
+    atheris.Setup([name, *options], take, custom_mutator=change if target.shape in ("map", "json") else None)
+    atheris.Fuzz()
+
+
+if __name__ == "__main__":
+    main()
