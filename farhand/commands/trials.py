@@ -93,3 +93,28 @@ def guard(
     folder = out if out is not None else Path("runs") / f"{local_timestamp()}-guard"
     trial = Trial(robots=named, share=share, speeds=fast, seed=seed, guarded=on)
     raise typer.Exit(run_trial(trial, folder, workers))
+
+
+@trial_app.command()
+def fuzz(
+    targets: Annotated[str, typer.Option(help="Some, with commas between them; empty: all.")] = "",
+    share: Annotated[
+        float, typer.Option(min=0.0001, max=1000.0, help="Of the inputs: 1 is 10.8 million in all.")
+    ] = 1.0,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Targets at the same time.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for corpus and findings; a campaign in it goes on.")
+    ] = None,
+) -> None:
+    """Coverage-guided fuzzing of every place where bytes come in, by atheris, at the lowest priority.
+
+    Exit code 0: no input broke a promise. 1: one did; it is kept. 2: bad input.
+    """
+    from farhand.trials.fuzz.campaign import Campaign, run_campaign
+    from farhand.trials.fuzz.registry import NAMES, check_name
+
+    named = tuple(word.strip() for word in targets.split(",") if word.strip()) or NAMES
+    for name in named:
+        check_name(name)
+    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-fuzz"
+    raise typer.Exit(run_campaign(Campaign(named, share, folder), workers))

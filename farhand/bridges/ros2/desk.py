@@ -41,7 +41,7 @@ class OperatorDesk:
                 if reply.ok is not None:
                     batch = msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=TickBatch)
                     return kept_in(batch.info)
-        except (zenoh.ZError, msgspec.MsgspecError):
+        except (zenoh.ZError, msgspec.MsgspecError, ValueError):
             pass
         return None
 
@@ -51,7 +51,7 @@ class OperatorDesk:
                 if reply.ok is not None:
                     said = msgspec.json.decode(reply.ok.payload.to_bytes())
                     return bool(said.get("ok")), done if said.get("ok") else str(said.get("error", "refused"))
-        except (zenoh.ZError, msgspec.DecodeError, AttributeError) as error:
+        except (zenoh.ZError, msgspec.DecodeError, ValueError, AttributeError) as error:
             return False, f"the operator's program could not be asked: {error}"
         return (
             False,

@@ -33,7 +33,7 @@ def by_shape(target: Target, body: bytes, rng: np.random.Generator) -> bytes | N
         found = protocol.decode(body)
         if not isinstance(found, dict) or not found:
             return None
-        for _ in range(1 + int(rng.integers(2))):
+        for _ in range(1 + _below(rng, 2)):
             _change(found, rng)
         changed: bytes = protocol.encode(found)
     except (msgspec.MsgspecError, ValueError, TypeError, RecursionError, OverflowError):
@@ -44,28 +44,36 @@ def by_shape(target: Target, body: bytes, rng: np.random.Generator) -> bytes | N
 def of_bytes(data: bytes, rng: np.random.Generator) -> bytes:
     """A few bytes flipped, cut, doubled, put in or taken out."""
     found = bytearray(data)
-    for _ in range(1 + int(rng.integers(3))):
-        at, deed = int(rng.integers(len(found) + 1)), int(rng.integers(6))
+    for _ in range(1 + _below(rng, 3)):
+        at, deed = _below(rng, len(found) + 1), _below(rng, 6)
         if deed == 0 and at < len(found):
-            found[at] ^= 1 << int(rng.integers(8))
+            found[at] ^= 1 << _below(rng, 8)
         elif deed == 1 and at < len(found):
-            found[at] = int(rng.integers(256))
+            found[at] = _below(rng, 256)
         elif deed == 2:
-            del found[at : at + int(rng.integers(1, 9))]
+            del found[at : at + 1 + _below(rng, 8)]
         elif deed == 3:
-            found[at:at] = FEW_BYTES[int(rng.integers(len(FEW_BYTES)))]
+            found[at:at] = FEW_BYTES[_below(rng, len(FEW_BYTES))]
         elif deed == 4:
-            found[at:at] = found[at : at + int(rng.integers(1, 65))]
+            found[at:at] = found[at : at + 1 + _below(rng, 64)]
         else:
             del found[at:]
     return bytes(found)
+
+
+def _below(rng: np.random.Generator, end: int) -> int:
+    """A number from 0 on; many times as fast as `integers`."""
+    return int(rng.random() * end)
 
 
 def _change(found: dict[Any, Any], rng: np.random.Generator) -> None:
     place: Any = found
     while True:
         keys = list(place) if isinstance(place, dict) else range(len(place))
-        key = keys[int(rng.integers(len(keys)))]
+        if not keys:  # the last field is gone
+            place["another"] = None
+            return
+        key = keys[_below(rng, len(keys))]
         inner = place[key]
         if not isinstance(inner, (dict, list)) or not inner or rng.random() < 0.3:
             break
@@ -78,12 +86,12 @@ def _change(found: dict[Any, Any], rng: np.random.Generator) -> None:
     elif isinstance(place, list):
         place.append(place[key])
     else:
-        place["another"] = VALUES[int(rng.integers(len(VALUES)))]
+        place["another"] = VALUES[_below(rng, len(VALUES))]
 
 
 def _value(old: Any, rng: np.random.Generator) -> Any:
     if type(old) is int and rng.random() < 0.5:
-        return max(-(2**63), min(2**64 - 1, old + int(rng.integers(-3, 4))))
+        return max(-(2**63), min(2**64 - 1, old + (_below(rng, 7) - 3)))
     if type(old) is float and rng.random() < 0.5:
-        return old * float(rng.normal()) * 10.0 ** int(rng.integers(-3, 4))
-    return VALUES[int(rng.integers(len(VALUES)))]
+        return old * float(rng.normal()) * 10.0 ** (_below(rng, 7) - 3)
+    return VALUES[_below(rng, len(VALUES))]

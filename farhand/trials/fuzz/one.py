@@ -1,11 +1,13 @@
-"""One target in a process of its own, under atheris: `python -m farhand.trials.fuzz.one NAME [libFuzzer's options]`."""
+"""One target in a process of its own, under atheris: `python -m farhand.trials.fuzz.one NAME [libFuzzer's options] CORPUS`."""
 
 import sys
+from pathlib import Path
 
 from farhand.common.process.signals import die_with_parent
 
+KERNELS = Path(__file__).resolve().parents[2] / "robot_side" / "kernel"
 COMPILED = (
-    "farhand.robot_side.kernel",
+    *(f"farhand.robot_side.kernel.{path.stem}" for path in KERNELS.glob("*.py")),
     "farhand.operator_side.control.newton_kernel",
     "farhand.operator_side.control.checks.body_kernel",
     "farhand.common.compiled",
@@ -20,7 +22,7 @@ def main() -> None:
     import atheris
 
     die_with_parent()
-    name, *options = sys.argv[1:]
+    name, *options, corpus = sys.argv[1:]
     with atheris.instrument_imports(include=["farhand", *LIBRARIES], exclude=list(COMPILED)):
         from farhand.trials.fuzz.registry import target_called
 
@@ -29,16 +31,19 @@ def main() -> None:
 
     from farhand.trials.fuzz.mutation import by_shape
 
-    take = target.start()
+    take, rng = target.start(), np.random.default_rng(1)
 
     def change(data: bytes, longest: int, seed: int) -> bytes:
-        if target.shape in ("map", "json") and seed % 3:
-            found = by_shape(target, data[target.head :], np.random.default_rng(seed))
+        if seed % 3:
+            found = by_shape(target, data[target.head :], rng)
             if found is not None:
                 return bytes((data[: target.head] + found)[:longest])
         return bytes(atheris.Mutate(data, longest))
 
-    atheris.Setup([name, *options], take, custom_mutator=change if target.shape in ("map", "json") else None)
+    for index, seed in enumerate(target.seeds()):
+        (Path(corpus) / f"seed-{index}").write_bytes(seed)
+    options = [name, f"-max_len={target.longest}", *options, corpus]
+    atheris.Setup(options, take, custom_mutator=change if target.shape in ("map", "json") else None)
     atheris.Fuzz()
 
 

@@ -12,6 +12,7 @@ NAMES = (
     "steering",
     "console-page",
     "live-control",
+    "requests",
     "network-spec",
     "scenario",
     "timeline",
@@ -29,10 +30,15 @@ NAMES = (
 """In the order of the table."""
 
 
-def target_called(name: str) -> Target:
-    """The target of a name; raises InputError for one that there is not."""
+def check_name(name: str) -> None:
+    """Raise InputError for a target that there is not."""
     if name not in NAMES:
         raise InputError(f"--targets {name!r}: must be some of {','.join(NAMES)}")
+
+
+def target_called(name: str) -> Target:
+    """The target of a name; raises InputError for one that there is not."""
+    check_name(name)
     module = importlib.import_module(f"farhand.trials.fuzz.targets.{name.replace('-', '_')}")
     found: Target = module.TARGET
     return found

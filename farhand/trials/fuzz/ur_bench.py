@@ -1,13 +1,20 @@
 """An emulated controller and a connection of it that holds one input, for the protocols of UR arms."""
 
-from farhand.robot_side.arm.model import model
+from functools import lru_cache
+
+from farhand.robot_side.arm.model import ArmModel, model
 from farhand.ur_emulator.controller import Controller
 from farhand.ur_emulator.wire import Connection
 
 
+@lru_cache(maxsize=1)
+def _arm() -> ArmModel:
+    return model("ur5")
+
+
 def controller() -> Controller:
     """A controller that nothing moves."""
-    arm = model("ur5")
+    arm = _arm()
     return Controller(arm, arm.home, 500.0, (5, 12, 0, 1), lambda line: None)
 
 

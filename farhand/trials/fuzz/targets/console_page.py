@@ -33,7 +33,7 @@ class _Operator:
         self._says = {
             report_key("r"): encode(report()),
             mirror_key("r", "state"): encode(state()),
-            mirror_key("r", "scene"): encode(scene()),
+            mirror_key("r", "scene"): encode(scene(obstacles=())),
             mirror_key("r", "description"): encode(description()),
             mirror_key("r", "command"): encode(command),
         }

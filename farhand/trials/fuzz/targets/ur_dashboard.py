@@ -18,9 +18,12 @@ def seeds() -> list[bytes]:
 
 def start() -> Callable[[bytes], None]:
     """See Target."""
+    emulated = controller()
+    fresh = dict(vars(emulated))
 
     def take(data: bytes) -> None:
-        emulated, connection = controller(), Input(data)
+        vars(emulated).update(fresh)
+        connection = Input(data)
         DashboardHandler(connection, emulated, "20195500001", "UR5").poll(0.0)
         check(len(connection.sent) < 1_000_000, "an answer without bounds")
         check(emulated.program is None and not emulated.moves, "an arm moves without a program")
