@@ -6,6 +6,7 @@ from farhand.common.errors import InputError
 from farhand.trials.fuzz.target import Target
 
 NAMES = (
+    "codec",
     "robot-intake",
     "operator-messages",
     "operator-tick",
