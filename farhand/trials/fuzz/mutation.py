@@ -13,7 +13,21 @@ VALUES: tuple[Any, ...] = (
     0.0, -0.0, 0.1, 1.0, 2.0, 1e-300, 1e300, math.nan, math.inf, -math.inf, "", "x", "run", "estop", "none",
     "\ud7ff", "x" * 65, "x" * 600, b"", b"\xff" * 5, [], {}, [0.0, 0.0, 0.0], [math.nan] * 3, [[0.0] * 3] * 257,
 )  # fmt: skip
-FEW_BYTES = (b"\0", b"\xff", b"\x7f", b"\x80", b"\n", b"\r\n", b'"', b"[", b"{", b"1e999", b"nan", b"-1", b"\xc0\x80")
+FEW_BYTES = (
+    b"\0",
+    b"\xff",
+    b"\x7f",
+    b"\x80",
+    b"\n",
+    b"\r\n",
+    b'"',
+    b"[",
+    b"{",
+    b"1e999",
+    b"nan",
+    b"-1",
+    b"\xc0\x80",
+)
 
 
 def mutated(target: Target, data: bytes, rng: np.random.Generator) -> bytes:

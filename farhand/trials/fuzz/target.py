@@ -29,14 +29,14 @@ class Target:
     longest: int = 4096
 
 
-class Finding(AssertionError):
+class FindingError(AssertionError):
     """An input broke a promise."""
 
 
 def check(holds: bool, what: str) -> None:
-    """Raise Finding unless it holds."""
+    """Raise FindingError unless it holds."""
     if not holds:
-        raise Finding(what)
+        raise FindingError(what)
 
 
 def one_line(error: BaseException) -> None:

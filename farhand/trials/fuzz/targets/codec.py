@@ -27,7 +27,9 @@ REASONS = {"length", "malformed", "checksum", "schema", "unknown-field", "non-fi
 def seeds() -> list[bytes]:
     """One of each kind, behind its number."""
     commands = [b"\0" + each for each in robot_intake.seeds()[:8]]
-    others = [bytes([each[0] + 1 if each[0] < 3 else each[0] + 2]) + each[1:] for each in operator_messages.seeds()]
+    others = [
+        bytes([each[0] + 1 if each[0] < 3 else each[0] + 2]) + each[1:] for each in operator_messages.seeds()
+    ]
     return [*commands, *others, *(b"\4" + each for each in steering.seeds()[:3])]
 
 
@@ -41,7 +43,7 @@ def start() -> Callable[[bytes], None]:
         if message is not None:
             check(message.schema == SCHEMA, "another schema came through")
             check(_finite(msgspec.to_builtins(message)), "a number that is not finite came through")
-        elif not REASONS >= decoder.refused.keys():
+        elif not decoder.refused.keys() <= REASONS:
             check(False, f"refused for {set(decoder.refused) - REASONS}")
 
     return take

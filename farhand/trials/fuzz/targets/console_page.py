@@ -13,7 +13,7 @@ from farhand.common.messages.steering import Steering
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.said import Hello, Pictured, SaidError, read_said
 from farhand.trials.fuzz.target import Target, check, one_line
-from farhand.trials.fuzz.targets.operator_messages import report, description, scene, state
+from farhand.trials.fuzz.targets.operator_messages import description, report, scene, state
 
 MS = 1_000_000
 NOW_NS = 9_000_000_000
@@ -52,13 +52,23 @@ def seeds() -> list[bytes]:
     """Each kind of message, behind a byte that says whether the driver says it."""
     said: list[dict[str, Any]] = [
         {"kind": "hello", "page": "b", "token": "t"},
-        {"kind": "steer", "n": 50, "t": 500.0, "engaged": True, "press": 2, "linear": (1.0, 0.0, 0.0), "seen": 9000},
+        {
+            "kind": "steer",
+            "n": 50,
+            "t": 500.0,
+            "engaged": True,
+            "press": 2,
+            "linear": (1.0, 0.0, 0.0),
+            "seen": 9000,
+        },
         {"kind": "steer", "n": 51, "t": 510.0, "engaged": False, "press": 2},
         {"kind": "pictured"},
         {"kind": "network", "n": 52, "name": "5g-urban"},
         {"kind": "outage", "n": 53, "seconds": 2.0},
     ]
-    said += [{"kind": "do", "n": 54, "what": what} for what in ("estop", "acknowledge", "take", "release", "give")]
+    said += [
+        {"kind": "do", "n": 54, "what": what} for what in ("estop", "acknowledge", "take", "release", "give")
+    ]
     return [bytes([who]) + msgspec.msgpack.encode(each) for who in (0, 1) for each in said]
 
 

@@ -20,7 +20,9 @@ def seeds() -> list[bytes]:
     binary = b"x" * 80 + struct.pack("<I", len(FACES))
     for face in FACES:
         text += "facet normal 0 0 0\nouter loop\n"
-        text += "".join("vertex {} {} {}\n".format(*CORNERS[corner]) for corner in face) + "endloop\nendfacet\n"
+        text += (
+            "".join("vertex {} {} {}\n".format(*CORNERS[corner]) for corner in face) + "endloop\nendfacet\n"
+        )
         binary += struct.pack("<12fH", 0, 0, 0, *(v for corner in face for v in CORNERS[corner]), 0)
     return [b"\0" + binary, b"\0" + (text + "endsolid x\n").encode(), b"\1" + obj.encode()]
 

@@ -80,10 +80,10 @@ def seeds() -> list[bytes]:
 
 def report() -> ControlReport:
     """Of a tick in which nothing has come yet."""
-    numbers = {
-        name: 0.0
-        for name in ("prediction_error", "sigma", "inflation", "loss", "age", "state_age", "solve_time", "state_rate")
-    }
+    numbers = dict.fromkeys(
+        ("prediction_error", "sigma", "inflation", "loss", "age", "state_age", "solve_time", "state_rate"),
+        0.0,
+    )
     counts = dict.fromkeys(
         ("tick", "target_index", "target_count", "refused_here", "refused_there", "stops", "overruns"), 0
     )
@@ -95,7 +95,7 @@ def report() -> ControlReport:
 
 def start() -> Callable[[bytes], None]:
     """See Target."""
-    others = [Decoder(CameraFrame), Decoder(ControlReport)]
+    others: list[Decoder[Any]] = [Decoder(CameraFrame), Decoder(ControlReport)]
 
     def take(data: bytes) -> None:
         kind = data[0] % 5 if data else 0

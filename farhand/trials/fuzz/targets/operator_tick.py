@@ -53,7 +53,13 @@ def start() -> Callable[[bytes], None]:
         for tick in range(5):
             now_ns = START_NS + tick * PERIOD_NS
             echo = Echo(OPERATOR, tick - 1, now_ns - PERIOD_NS, 1_000_000) if tick else None
-            told = state(seq=40 + tick, t_sent_ns=now_ns // 2, t_sample_ns=now_ns // 2, echo=echo, applied_seq=max(0, tick - 1))
+            told = state(
+                seq=40 + tick,
+                t_sent_ns=now_ns // 2,
+                t_sample_ns=now_ns // 2,
+                echo=echo,
+                applied_seq=max(0, tick - 1),
+            )
             if tick == 2 and data:
                 robot.send(Packet(KEYS[data[0] % 3], data[1:], now_ns))
             robot.send(Packet(KEYS[0], encode(told), now_ns))

@@ -16,7 +16,8 @@ def seeds() -> list[bytes]:
 
     models = [profile.model for profile in PROFILES.values() if profile.model is not None][:3]
     texts = [
-        tomli_w.dumps({"description": "x", "model": _without_nulls(msgspec.to_builtins(each))}) for each in models
+        tomli_w.dumps({"description": "x", "model": _without_nulls(msgspec.to_builtins(each))})
+        for each in models
     ]
     return [b"\0" + b"# ms\n0\n1\n1\n5\n12\n", *(b"\1" + text.encode() for text in texts)]
 
@@ -43,5 +44,10 @@ def start() -> Callable[[bytes], None]:
 
 
 TARGET = Target(
-    edge="rate traces, fitted models", promise="a refusal is one line", seeds=seeds, start=start, shape="text", head=1
+    edge="rate traces, fitted models",
+    promise="a refusal is one line",
+    seeds=seeds,
+    start=start,
+    shape="text",
+    head=1,
 )

@@ -18,7 +18,10 @@ from farhand.trials.fuzz.target import Target, check
 
 def seeds() -> list[bytes]:
     """A request for each, behind a byte that says which."""
-    return [b"\0" + msgspec.json.encode({"since": 3}), b"\1" + msgspec.json.encode({"since": 3, "written": 2})]
+    return [
+        b"\0" + msgspec.json.encode({"since": 3}),
+        b"\1" + msgspec.json.encode({"since": 3, "written": 2}),
+    ]
 
 
 def start() -> Callable[[bytes], None]:

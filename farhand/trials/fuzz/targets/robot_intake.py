@@ -1,4 +1,4 @@
-"""A robot that an operator drives is sent one thing more: what moves must be explained by what was allowed to move it."""
+"""A robot that an operator drives is sent one thing more: what moves must be explained by what may move it."""
 
 import math
 from collections.abc import Callable
@@ -38,7 +38,11 @@ def command(seq: int = LAWFUL_SEQ, session: int = OPERATOR, age_ns: int = 50_000
 
 def seeds() -> list[bytes]:
     """Good ones, and one of each kind that is refused."""
-    turns = {"angular": (0.1, 0.0, 0.0), "plan": ((0.1, 0.0, 0.0),) * 9, "plan_angular": ((0.1, 0.0, 0.0),) * 9}
+    turns: dict[str, Any] = {
+        "angular": (0.1, 0.0, 0.0),
+        "plan": ((0.1, 0.0, 0.0),) * 9,
+        "plan_angular": ((0.1, 0.0, 0.0),) * 9,
+    }
     whole = VelocityCommand(
         source="alice", session=OPERATOR, seq=9, t_sent_ns=9, echo=Echo(ROBOT, 3, NOW_NS, 0), mode="run",
         velocity=(0.3, 0.0, 0.0),

@@ -19,7 +19,9 @@ def seeds() -> list[bytes]:
     """A twist and a joystick's state, and an attachment."""
     types = Types("jazzy")
     header = types.make(
-        "std_msgs/msg/Header", stamp=types.make("builtin_interfaces/msg/Time", sec=1, nanosec=2), frame_id="base"
+        "std_msgs/msg/Header",
+        stamp=types.make("builtin_interfaces/msg/Time", sec=1, nanosec=2),
+        frame_id="base",
     )
     vector: Any = types.make("geometry_msgs/msg/Vector3", x=0.1, y=0.0, z=0.0)
     twist = types.make(
@@ -47,12 +49,17 @@ def start() -> Callable[[bytes], None]:
             stamp, message = readers[kind].read(Heard(keys[kind], payload, attachment, 1))
             if kind == 0:
                 wanted = frames.wanted(message, stamp)
-                check(all(math.isfinite(v) and abs(v) < FAST for v in (*wanted.linear, *wanted.angular)), "too fast")
+                check(
+                    all(math.isfinite(v) and abs(v) < FAST for v in (*wanted.linear, *wanted.angular)),
+                    "too fast",
+                )
             else:
                 found = inputs_of(message, stamp)
                 check(all(-1.0 <= value <= 1.0 for value in found.values()), "an input is not from -1 to 1")
         except RefusedError as error:
-            check(bool(error.reason) and len(str(error)) < 10_000, "a refusal without a word, or with too many")
+            check(
+                bool(error.reason) and len(str(error)) < 10_000, "a refusal without a word, or with too many"
+            )
 
     return take
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,8 @@ TEXTS = (
     "PING 10.0.0.1 (10.0.0.1) 56(84) bytes of data.\n64 bytes from 10.0.0.1: icmp_seq=1 ttl=64 time=3.1 ms\n"
     "no answer yet for icmp_seq=2\n[17.5] 64 bytes from 10.0.0.1: icmp_seq=3 ttl=64 time=2 ms\n"
     "3 packets transmitted, 2 received, 33% packet loss, time 2003ms\n",
-    "Reply from 10.0.0.1: bytes=32 time=3ms TTL=64\nRequest timed out.\nReply from 10.0.0.1: bytes=32 time<1ms TTL=64\n",
+    "Reply from 10.0.0.1: bytes=32 time=3ms TTL=64\nRequest timed out.\n"
+    "Reply from 10.0.0.1: bytes=32 time<1ms TTL=64\n",
     "10.0.0.1 : [0], 64 bytes, 3.10 ms (3.10 avg, 0% loss)\n10.0.0.1 : [1], timed out (NaN avg, 50% loss)\n",
     "len=46 ip=10.0.0.1 ttl=64 DF id=0 sport=80 flags=SA seq=0 win=64240 rtt=3.1 ms\n",
     "pub_time(ms) sub_time(ms) delay(ms)\n1000 1020 20\n1100 1125 25\n",
@@ -25,7 +27,12 @@ TEXTS = (
     "12\n14\nnan\n13\n",
     "t;rtt\n0,0;1,5\n0,1;1,6\n",
 )
-OPTIONS = ({}, {"unit": "ms"}, {"period": 0.01, "gap": "delay"}, {"column": "2", "sort": True, "lost": "-1"})
+OPTIONS: tuple[dict[str, Any], ...] = (
+    {},
+    {"unit": "ms"},
+    {"period": 0.01, "gap": "delay"},
+    {"column": "2", "sort": True, "lost": "-1"},
+)
 
 
 def seeds() -> list[bytes]:
@@ -42,7 +49,7 @@ def start() -> Callable[[bytes], None]:
         options = OPTIONS[data[1] % len(OPTIONS)] if len(data) > 1 else {}
         path.write_bytes(data[2:])
         try:
-            found = load_trace(path, format=name, **options)  # type: ignore[arg-type]
+            found = load_trace(path, format=name, **options)
         except TraceError as error:
             one_line(error)
             return

@@ -8,7 +8,11 @@ from farhand.robot_side.ur.rtde_client import RtdeClient, Wanted
 from farhand.robot_side.ur.rtde_codec import DATA, INPUTS, OUTPUTS, START, URCONTROL, VERSION, pack
 from farhand.trials.fuzz.target import Target, check
 
-WANTED = Wanted(outputs=("timestamp", "actual_q", "robot_mode"), optional=("robot_mode",), inputs=("input_int_register_24",))
+WANTED = Wanted(
+    outputs=("timestamp", "actual_q", "robot_mode"),
+    optional=("robot_mode",),
+    inputs=("input_int_register_24",),
+)
 
 
 class _Socket:

@@ -13,7 +13,9 @@ def seeds() -> list[bytes]:
     """A conversation."""
     outputs = struct.pack(">d", 500.0) + b"timestamp,actual_q,robot_mode"
     inputs = b"input_int_register_24,input_double_register_24,speed_slider_mask,speed_slider_fraction"
-    whole = pack(VERSION, b"\0\2") + pack(URCONTROL) + pack(OUTPUTS, outputs) + pack(INPUTS, inputs) + pack(START)
+    whole = (
+        pack(VERSION, b"\0\2") + pack(URCONTROL) + pack(OUTPUTS, outputs) + pack(INPUTS, inputs) + pack(START)
+    )
     return [whole, whole + pack(DATA, struct.pack(">BidId", 1, 7, 0.5, 1, 0.5)), pack(DATA, b"\1")]
 
 

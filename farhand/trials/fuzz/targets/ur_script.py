@@ -16,8 +16,9 @@ def seeds() -> list[bytes]:
     """Farhand's own, and the language's words."""
     own = program_text(UrSettings(), 11, 0.002, 10.0)
     more = (
-        "def f(a, b=2):\n  global c = [1, 2.5e3, p[0,0,0,0,0,0]]\n  if a > b and not c[0] == 1:\n    return -a\n  elif a xor b:\n"
-        "    while True:\n      break\n    end\n  else:\n    textmsg('x', \"y\")\n  end\n  thread t():\n    sync()\n  end\n"
+        "def f(a, b=2):\n  global c = [1, 2.5e3, p[0,0,0,0,0,0]]\n  if a > b and not c[0] == 1:\n    return -a\n"
+        "  elif a xor b:\n    while True:\n      break\n    end\n  else:\n    textmsg('x', \"y\")\n  end\n"
+        "  thread t():\n    sync()\n  end\n"
         "  h = run t()\n  join h\n  kill h\n  enter_critical\n  halt\n  exit_critical\nend\n"
     )
     return [own.encode(), more.encode(), b"sec s():\n  set_tcp(p[0,0,0,0,0,0])\nend\n"]
