@@ -10,7 +10,7 @@ from farhand.common.seeds import stream
 from farhand.laboratory.campaigns.jobs import task_seed
 from farhand.trials.errors.errors import ERRORS, Injected
 from farhand.trials.errors.strikes import EVERY_NS, Strike
-from farhand.trials.errors.world import START_NS, World
+from farhand.trials.errors.world import STANDING, START_NS, World
 
 NETWORKS = ("none", "constant:20", "gaussian:50,20", "uniform:20,120")
 """Beside the error; drawn by the seed."""
@@ -126,7 +126,7 @@ def run_one(spec: Spec) -> Row:
         mode=mode,
         said=said,
         clearance=clearance if injected.guarded else None,
-        again=world.fastest(end_ns + SECOND_NS, world.clock.now_ns()) > 0.1,
+        again=world.fastest(end_ns + SECOND_NS, world.clock.now_ns()) > STANDING,
         duration=(end_ns + AFTER_NS - START_NS) * 1e-9,
     )
 

@@ -29,11 +29,12 @@ START_NS = 1_000_000_000
 COMPUTING_NS = 1_000_000
 STANDING, STANDS_FOR_NS = 0.02, 300_000_000
 """Slower than this (m/s) for so long is standing."""
-TARGETS = [[9.0, 0.0, 0.6], [0.6, 0.0, 0.6]] * 4
+TARGETS = [[1.6, 0.0, 0.6], [1.6, 0.0, 1.4], [0.6, 0.0, 1.4], [0.6, 0.0, 0.6]] * 10
+"""A velocity that always changes: of one that does not, what is played again looks as what is new."""
 
 
 def task(guarded: bool) -> Scenario:
-    """A point that is driven to and fro; with the guard there is something in the way, else nothing."""
+    """A point that is driven round and round; with the guard there is something in the way, else nothing."""
     plain = load_scenario("point-obstacle")
     settings: dict[str, object] = {"targets": TARGETS, "guard.on": guarded}
     if not guarded:
