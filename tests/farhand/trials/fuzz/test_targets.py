@@ -1,6 +1,7 @@
 """Every edge takes its kept inputs, those that once broke a promise and some new ones, and keeps its promise."""
 
 import base64
+import struct
 import zlib
 from pathlib import Path
 
@@ -38,6 +39,7 @@ REGRESSIONS = {
     "console-page": [b"\0" + msgspec.msgpack.encode({"kind": "steer", "\nfarhand: all is well": 1})],
     "recording": [recording.seeds()[1].replace(b"farhand/r/state", b"farhand/\x95/state")],
     "requests": [which + b'{"since":3,"\xff":1}' for which in (b"\0", b"\1")],
+    "ur-rtde-server": [pack(OUTPUTS, struct.pack(">d", float("nan")) + b"timestamp")],
     "ur-rtde-client": [conversation(pack(INPUTS))],
 }
 """Each of them broke its target's promise once."""
