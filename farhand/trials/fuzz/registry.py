@@ -14,6 +14,7 @@ NAMES = (
     "console-page",
     "live-control",
     "requests",
+    "answers",
     "network-spec",
     "scenario",
     "timeline",
