@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from farhand.common.link.link import Packet
 from farhand.trials.errors.strikes import (
     Strike,
+    empty_scenes,
     flip_commands,
     flip_states,
     foreign_states,
@@ -128,6 +129,13 @@ ERRORS: dict[str, Injected] = {
         MASQUERADE,
         "the robot's own session forged: a metre beside the truth; guard on",
         strike=forged_states,
+        insider=True,
+        guarded=True,
+    ),
+    "empty-scenes": Injected(
+        MASQUERADE,
+        "the robot's own session forged: scenes without obstacles; guard on",
+        strike=empty_scenes,
         insider=True,
         guarded=True,
     ),

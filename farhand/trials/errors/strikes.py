@@ -7,8 +7,9 @@ import msgspec
 
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import SCHEMA, Echo
-from farhand.common.messages.codec import encode
-from farhand.common.messages.keys import command_key, state_key
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.keys import command_key, scene_key, state_key
+from farhand.common.messages.scene import Scene
 from farhand.trials.errors.world import World
 
 FOREIGN, OTHER_ROBOT = 123_456_789, 987_654_321
@@ -145,6 +146,14 @@ def foreign_states(world: World, now_ns: int) -> None:
 def forged_states(world: World, now_ns: int) -> None:
     """States of the robot's own session."""
     world.to_operator(_state(world, now_ns), now_ns)
+
+
+def empty_scenes(world: World, now_ns: int) -> None:
+    """Scenes of the robot's own session, newer than its own, that show no obstacle."""
+    key, payload = next(each for each in reversed(world.scenes) if each[0] == scene_key(world.name))
+    newest = Decoder(Scene).decode_or_raise(payload)
+    made: dict[str, Any] = {"obstacles": (), "seq": newest.seq + 1}
+    world.to_operator(encode(msgspec.structs.replace(newest, **made)), now_ns, key)
 
 
 def other_key(world: World, now_ns: int) -> None:

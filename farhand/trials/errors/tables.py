@@ -33,18 +33,14 @@ def broken(rows: Sequence[Row]) -> list[str]:
 def to_markdown(rows: Sequence[Row]) -> str:
     """The table, and below it what does not hold."""
     lines = [
-        "| error | injected | runs | noticed by the robot as | refused by the operator's side, a run | "
-        "when it ends the robot | stands after, s: median, most | "
-        "motion not explained, runs | oldest basis, s | drives again, runs |",
+        "| error | injected | runs | noticed by the robot as | refused by the operator's side | when it ends the robot | "
+        "stands after, s: median, most | motion not explained | oldest basis, s | drives again |",
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name, injected in ERRORS.items():
         mine = [row for row in rows if row.name == name and not row.error]
         if mine:
             lines.append("| " + " | ".join(_cells(injected, mine)) + " |")
-    guarded = [row.clearance for row in rows if row.clearance is not None]
-    if guarded:
-        lines.append(f"\nLeast clearance where the guard was on: {1e3 * min(guarded):.1f} mm.")
     wrong = broken(rows)
     if wrong:
         lines += ["", "What does not hold:", "", *(f"- {line}" for line in wrong[:100])]
@@ -56,6 +52,8 @@ def _cells(injected: Injected, rows: Sequence[Row]) -> list[str]:
     modes = Counter(row.mode for row in rows)
     unexplained = sum(row.unexplained > 0 for row in rows)
     fastest = max(row.fastest_unexplained for row in rows)
+    guarded = [row.clearance for row in rows if row.clearance is not None]
+    near = f"by the guard; {1e3 * min(guarded):.1f} mm to an obstacle at least" if guarded else ""
     return [
         injected.error,
         injected.how + (f" {MARK}" if injected.insider else ""),
@@ -64,7 +62,7 @@ def _cells(injected: Injected, rows: Sequence[Row]) -> list[str]:
         f"{statistics.fmean(row.refused_here for row in rows):.0f}",
         ", ".join(f"{mode} {count}" for mode, count in modes.most_common()),
         f"{statistics.median(stood):.2f}, {max(stood):.2f} ({len(stood)} runs)" if stood else "drives on",
-        f"{unexplained}, up to {fastest:.2f} m/s" if unexplained else "0",
+        near if guarded else f"{unexplained}, up to {fastest:.2f} m/s" if unexplained else "0",
         f"{max(row.oldest for row in rows):.2f}",
         str(sum(row.again for row in rows)),
     ]

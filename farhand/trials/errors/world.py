@@ -31,12 +31,14 @@ STANDING, STANDS_FOR_NS = 0.02, 300_000_000
 """Slower than this (m/s) for so long is standing."""
 TARGETS = [[1.6, 0.0, 0.6], [1.6, 0.0, 1.4], [0.6, 0.0, 1.4], [0.6, 0.0, 0.6]] * 10
 """A velocity that always changes: of one that does not, what is played again looks as what is new."""
+ACROSS = [[4.0, 0.0, 3.2], [0.6, 0.0, 0.6]] * 10
+"""Behind an obstacle."""
 
 
 def task(guarded: bool) -> Scenario:
-    """A point that is driven round and round; with the guard there is something in the way, else nothing."""
+    """A point that is driven round and round; with the guard past an obstacle that is in the way, and back."""
     plain = load_scenario("point-obstacle")
-    settings: dict[str, object] = {"targets": TARGETS, "guard.on": guarded}
+    settings: dict[str, object] = {"targets": ACROSS if guarded else TARGETS, "guard.on": guarded}
     if not guarded:
         settings["obstacles"] = []
     return replace_settings(plain, settings)
