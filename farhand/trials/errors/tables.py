@@ -33,8 +33,8 @@ def broken(rows: Sequence[Row]) -> list[str]:
 def to_markdown(rows: Sequence[Row]) -> str:
     """The table, and below it what does not hold."""
     lines = [
-        "| error | injected | runs | noticed by the robot as | refused by the operator's side | when it ends the robot | "
-        "stands after, s: median, most | motion not explained | oldest basis, s | drives again |",
+        "| error | injected | runs | noticed by the robot as | refused by the operator's side | "
+        "when it ends the robot | stands after, s: median, most | motion not explained | oldest basis, s | drives again |",
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name, injected in ERRORS.items():
