@@ -34,7 +34,8 @@ def to_markdown(rows: Sequence[Row]) -> str:
     """The table, and below it what does not hold."""
     lines = [
         "| error | injected | runs | noticed by the robot as | refused by the operator's side | "
-        "when it ends the robot | stands after, s: median, most | motion not explained | oldest basis, s | drives again |",
+        "when it ends the robot | stands after, s: median, most | "
+        "motion not explained | oldest basis, s | drives again |",
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name, injected in ERRORS.items():

@@ -33,7 +33,8 @@ def main() -> None:
 
     from farhand.trials.fuzz.mutation import by_shape
 
-    take, rng = target.start(), np.random.default_rng(1)
+    said = [int(option.removeprefix("-seed=")) for option in options if option.startswith("-seed=")]
+    take, rng = target.start(), np.random.default_rng(said)
 
     def change(data: bytes, longest: int, seed: int) -> bytes:
         if seed % 3 and len(data) < LONG:
