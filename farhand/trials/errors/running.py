@@ -39,7 +39,6 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         refused: by the robot from the start of the error on, by reason.
         refused_here: by the operator's side.
         mode: of the robot when the error ended.
-        said: what the operator's report said then.
         clearance: least distance to an obstacle (m); None: there is none.
         again: whether it moved by a lawful command after the error.
         duration: virtual time (s).
@@ -59,7 +58,6 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     refused: dict[str, int] = {}
     refused_here: int = 0
     mode: str = ""
-    said: str = ""
     clearance: float | None = None
     again: bool = False
     duration: float | None = None
@@ -106,7 +104,7 @@ def run_one(spec: Spec) -> Row:
     _inject(world, injected, begin_ns, end_ns, network)
     world.run(end_ns)
     report = world.operator.report
-    mode, said = world.robot.watchdog.mode, report.status if report is not None else ""
+    mode = world.robot.watchdog.mode
     refused_here = report.refused_here if report is not None else 0
     world.run(end_ns + AFTER_NS)
     refused = Counter(world.robot.intake.refused())
@@ -124,7 +122,6 @@ def run_one(spec: Spec) -> Row:
         refused={why: count for why, count in refused.items() if count},
         refused_here=refused_here,
         mode=mode,
-        said=said,
         clearance=clearance if injected.guarded else None,
         again=world.fastest(end_ns + SECOND_NS, world.clock.now_ns()) > STANDING,
         duration=(end_ns + AFTER_NS - START_NS) * 1e-9,

@@ -1,8 +1,9 @@
 """What every target is: seeds, and what takes an input. A finding is whatever the input makes it raise."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 Shape = Literal["bytes", "text", "map", "json"]
 """Of what a valid input is, so that some mutations keep it one: MessagePack maps, JSON objects, or neither."""
@@ -37,6 +38,15 @@ def check(holds: bool, what: str) -> None:
     """Raise FindingError unless it holds."""
     if not holds:
         raise FindingError(what)
+
+
+def finite(value: Any) -> bool:
+    """Whether all numbers in nested lists and maps are."""
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, dict):
+        return all(map(finite, value.values()))
+    return not isinstance(value, list | tuple) or all(map(finite, value))
 
 
 def one_line(error: BaseException) -> None:

@@ -1,6 +1,5 @@
 """Every kind of message at the decoder alone: the first thing that any byte from outside meets."""
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +14,7 @@ from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.messages.steering import Steering
-from farhand.trials.fuzz.target import Target, check
+from farhand.trials.fuzz.target import Target, check, finite
 from farhand.trials.fuzz.targets import operator_messages, robot_intake, steering
 
 KINDS: tuple[type[Message], ...] = (
@@ -42,19 +41,11 @@ def start() -> Callable[[bytes], None]:
         message = decoder.decode(data[1:])
         if message is not None:
             check(message.schema == SCHEMA, "another schema came through")
-            check(_finite(msgspec.to_builtins(message)), "a number that is not finite came through")
+            check(finite(msgspec.to_builtins(message)), "a number that is not finite came through")
         elif not decoder.refused.keys() <= REASONS:
             check(False, f"refused for {set(decoder.refused) - REASONS}")
 
     return take
-
-
-def _finite(value: Any) -> bool:
-    if isinstance(value, float):
-        return math.isfinite(value)
-    if isinstance(value, dict):
-        return all(map(_finite, value.values()))
-    return not isinstance(value, list | tuple) or all(map(_finite, value))
 
 
 TARGET = Target(

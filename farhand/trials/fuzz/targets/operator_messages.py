@@ -19,7 +19,7 @@ from farhand.common.shapes.box import Box
 from farhand.common.shapes.mesh import Mesh
 from farhand.operator_side.perception import Perception
 from farhand.operator_side.round_trip import RoundTrip
-from farhand.trials.fuzz.target import Target, check
+from farhand.trials.fuzz.target import Target, check, finite
 
 NOW_NS = 5_000_000_000
 CORNERS = ((0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.2))
@@ -101,7 +101,7 @@ def start() -> Callable[[bytes], None]:
         kind = data[0] % 5 if data else 0
         if kind >= 3:
             message: Any = others[kind - 3].decode(data[1:])
-            check(message is None or _finite(msgspec.to_builtins(message)), "a number is not finite")
+            check(message is None or finite(msgspec.to_builtins(message)), "a number is not finite")
             return
         perception, trips = Perception("r"), RoundTrip(1_000_007, 20)
         trips.sent(5, NOW_NS - 60_000_000)
@@ -110,17 +110,9 @@ def start() -> Callable[[bytes], None]:
             trips.received(found, NOW_NS)
             check(trips.newest is None or math.isfinite(trips.newest), "a round trip is not finite")
         for message in (perception.state, perception.scene, perception.description):
-            check(message is None or _finite(msgspec.to_builtins(message)), "a number is not finite")
+            check(message is None or finite(msgspec.to_builtins(message)), "a number is not finite")
 
     return take
-
-
-def _finite(value: Any) -> bool:
-    if isinstance(value, float):
-        return math.isfinite(value)
-    if isinstance(value, dict):
-        return all(map(_finite, value.values()))
-    return not isinstance(value, list | tuple) or all(map(_finite, value))
 
 
 TARGET = Target(
