@@ -7,6 +7,7 @@ finding ends the piece; its input is kept, and the campaign says so at its end.
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -28,6 +29,8 @@ MEMORY_MB = 512
 """What a process may take, its libraries included; more is a finding."""
 LONGEST_INPUT = 10
 """s that one input may take; longer is a finding."""
+STOPPED = (-signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP)
+"""Codes of a process that somebody ended: that is no finding."""
 PIECE = 200_000
 INPUTS = {
     "codec": 3_000_000, "robot-intake": 500_000, "operator-messages": 700_000, "operator-tick": 10_000,
@@ -132,8 +135,11 @@ def _piece(out: Path, name: str, inputs: int, number: int) -> Piece:
     log = out / f"{name}.log"
     with log.open("w", encoding="utf-8") as said:
         environment = {**os.environ, PARENT_VARIABLE: str(os.getpid())}
-        subprocess.run(command, stdout=said, stderr=subprocess.STDOUT, check=False, env=environment)
-    return read_log(name, log.read_text(encoding="utf-8", errors="replace"))
+        ended = subprocess.run(command, stdout=said, stderr=subprocess.STDOUT, check=False, env=environment)
+    piece = read_log(name, log.read_text(encoding="utf-8", errors="replace"))
+    if ended.returncode in STOPPED:
+        return msgspec.structs.replace(piece, finding="", said="")
+    return piece
 
 
 def lowest_priority() -> list[str]:
