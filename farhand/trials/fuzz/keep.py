@@ -9,7 +9,7 @@ from pathlib import Path
 
 from farhand.trials.fuzz.registry import NAMES
 
-KEPT, LONGEST = 40, 1500
+KEPT, LONGEST = 25, 1200
 
 
 def chosen(corpus: Path) -> list[bytes]:
