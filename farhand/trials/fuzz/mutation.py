@@ -1,5 +1,6 @@
 """Mutations that keep an input what it is: a field of a map changed, dropped or added. All else the fuzzer does."""
 
+import copy
 import math
 from typing import Any
 
@@ -80,6 +81,11 @@ def _below(rng: np.random.Generator, end: int) -> int:
     return int(rng.random() * end)
 
 
+def _any(rng: np.random.Generator) -> Any:
+    """One of VALUES, of its own: a later change must not change them all."""
+    return copy.deepcopy(VALUES[_below(rng, len(VALUES))])
+
+
 def _change(found: dict[Any, Any], rng: np.random.Generator) -> None:
     place: Any = found
     while True:
@@ -100,7 +106,7 @@ def _change(found: dict[Any, Any], rng: np.random.Generator) -> None:
     elif isinstance(place, list):
         place.append(place[key])
     else:
-        place["another"] = VALUES[_below(rng, len(VALUES))]
+        place["another"] = _any(rng)
 
 
 def _value(old: Any, rng: np.random.Generator) -> Any:
@@ -108,4 +114,4 @@ def _value(old: Any, rng: np.random.Generator) -> Any:
         return max(-(2**63), min(2**64 - 1, old + (_below(rng, 7) - 3)))
     if type(old) is float and rng.random() < 0.5:
         return old * float(rng.normal()) * 10.0 ** (_below(rng, 7) - 3)
-    return VALUES[_below(rng, len(VALUES))]
+    return _any(rng)
