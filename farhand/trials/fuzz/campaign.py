@@ -103,43 +103,74 @@ def run_campaign(campaign: Campaign, workers: int) -> int:
             console.print(f"{piece.target}: {piece.inputs} inputs, {piece.covered} edges; {whole} inputs in all"
                           + (f"; FINDING {piece.finding}: {piece.said}" if piece.finding else ""))  # fmt: skip
 
-        for _ in pool.map(lambda name: _fuzz(campaign, name, rows, done), campaign.targets):
-            pass
+        pieces = _Pieces(campaign.out)
+        try:
+            for _ in pool.map(lambda name: _fuzz(campaign, name, rows, pieces, done), campaign.targets):
+                pass
+        except BaseException:  # Ctrl-C, say: what has not ended is ended
+            pieces.stop()
+            raise
     text = table(rows)
     write_whole(campaign.out / TABLE, text)
     console.print(text)
     return 1 if any(row.finding for row in rows) else 0
 
 
-def _fuzz(campaign: Campaign, name: str, rows: list[Piece], done: Callable[[Piece], None]) -> None:
+def _fuzz(
+    campaign: Campaign, name: str, rows: list[Piece], pieces: "_Pieces", done: Callable[[Piece], None]
+) -> None:
     """The pieces of one target that are missing."""
     number = sum(row.target == name for row in rows)
     missing = campaign.wanted(name) - sum(row.inputs for row in rows if row.target == name)
-    while missing > 0:
-        piece = _piece(campaign.out, name, min(PIECE, missing), number + 1)
+    while missing > 0 and not pieces.stopped:
+        piece = pieces.run(name, min(PIECE, missing), number + 1)
         done(piece)
         missing, number = missing - max(piece.inputs, 1), number + 1
         if piece.finding:
             return
 
 
-def _piece(out: Path, name: str, inputs: int, number: int) -> Piece:
-    corpus, findings = out / "corpus" / name, out / "findings"
-    for folder in (corpus, findings):
-        folder.mkdir(parents=True, exist_ok=True)
-    options = [
-        f"-runs={inputs}", f"-rss_limit_mb={MEMORY_MB}", f"-timeout={LONGEST_INPUT}",
-        f"-seed={number}", f"-artifact_prefix={findings}/{name}-", "-print_final_stats=1", str(corpus),
-    ]  # fmt: skip
-    command = [*lowest_priority(), sys.executable, "-m", "farhand.trials.fuzz.one", name, *options]
-    log = out / f"{name}.log"
-    with log.open("w", encoding="utf-8") as said:
+class _Pieces:
+    """Runs processes, in several threads.
+
+    Args:
+        out: the campaign's folder.
+
+    Attributes:
+        stopped: whether no further one is to begin.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        self._running: set[subprocess.Popen[bytes]] = set()
+        self.stopped = False
+
+    def stop(self) -> None:
+        """End those that run, and begin none."""
+        self.stopped = True
+        for process in list(self._running):
+            process.terminate()
+
+    def run(self, name: str, inputs: int, number: int) -> Piece:
+        """One, to its end."""
+        corpus, findings, log = self._out / "corpus" / name, self._out / "findings", self._out / f"{name}.log"
+        for folder in (corpus, findings):
+            folder.mkdir(parents=True, exist_ok=True)
+        options = [
+            f"-runs={inputs}", f"-rss_limit_mb={MEMORY_MB}", f"-timeout={LONGEST_INPUT}", f"-seed={number}",
+            f"-artifact_prefix={findings}/{name}-", "-print_final_stats=1", str(corpus),
+        ]  # fmt: skip
+        command = [*lowest_priority(), sys.executable, "-m", "farhand.trials.fuzz.one", name, *options]
         environment = {**os.environ, PARENT_VARIABLE: str(os.getpid())}
-        ended = subprocess.run(command, stdout=said, stderr=subprocess.STDOUT, check=False, env=environment)
-    piece = read_log(name, log.read_text(encoding="utf-8", errors="replace"))
-    if ended.returncode in STOPPED:
-        return msgspec.structs.replace(piece, finding="", said="")
-    return piece
+        with (
+            log.open("wb") as said,
+            subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT, env=environment) as process,
+        ):
+            self._running.add(process)
+            code = process.wait()
+            self._running.discard(process)
+        piece = read_log(name, log.read_text(encoding="utf-8", errors="replace"))
+        return msgspec.structs.replace(piece, finding="", said="") if code in STOPPED else piece
 
 
 def lowest_priority() -> list[str]:
