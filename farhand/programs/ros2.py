@@ -9,13 +9,14 @@ from pathlib import Path
 import zenoh
 
 from farhand.bridges.ros2.bridge import Bridge, Desk
-from farhand.bridges.ros2.desk import OperatorDesk, RobotDesk
-from farhand.bridges.ros2.node import RosNode
-from farhand.bridges.ros2.outward import Outward
-from farhand.bridges.ros2.playback import CLOCK, RunPlayback, kept_in
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.wire import SENSOR, check_namespace, node_name
+from farhand.bridges.ros2.kept import kept_in
+from farhand.bridges.ros2.outbound.outward import Outward
+from farhand.bridges.ros2.playback import CLOCK, RunPlayback
+from farhand.bridges.ros2.serving.desk import OperatorDesk, RobotDesk
 from farhand.bridges.ros2.settings import Ros2Options as Ros2Options
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import SENSOR, check_namespace, node_name
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.keys import (
     camera_key,

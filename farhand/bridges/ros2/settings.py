@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from farhand.bridges.ros2.joy import JoySettings
-from farhand.bridges.ros2.wire import MAX_DOMAIN, check_namespace
+from farhand.bridges.ros2.graph.wire import MAX_DOMAIN, check_namespace
+from farhand.bridges.ros2.inbound.joy import JoySettings
 from farhand.common.errors import InputError
 from farhand.common.messages.steering import Unit
 from farhand.common.scenario.section import checked_settings

@@ -3,11 +3,11 @@
 import pytest
 
 from farhand.bridges.ros2.bridge_node import BridgeNode
-from farhand.bridges.ros2.inbound import TWIST, Reader, Refusals, TwistFrames
-from farhand.bridges.ros2.node import Heard, Subscription
-from farhand.bridges.ros2.steering import TwistDevice
-from farhand.bridges.ros2.twist_hand import TwistHand
-from farhand.bridges.ros2.wire import Attachment
+from farhand.bridges.ros2.graph.node import Heard, Subscription
+from farhand.bridges.ros2.graph.wire import Attachment
+from farhand.bridges.ros2.inbound.devices import TwistDevice
+from farhand.bridges.ros2.inbound.reading import TWIST, Reader, Refusals, TwistFrames
+from farhand.bridges.ros2.inbound.twist_hand import TwistHand
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.keys import report_key, steering_key

@@ -6,14 +6,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from farhand.bridges.ros2.inbound import JOY, TWIST, Reader, Refusals, RefusedError, TwistFrames, inputs_of
-from farhand.bridges.ros2.joint_states import JOINT_STATE, JointStates
-from farhand.bridges.ros2.joy import JoySettings
-from farhand.bridges.ros2.node import Heard, Subscription
-from farhand.bridges.ros2.steering import JoyDevice, TwistDevice
-from farhand.bridges.ros2.twist_hand import TwistHand
-from farhand.bridges.ros2.types import CdrError, Types
-from farhand.bridges.ros2.wire import Attachment, data_key
+from farhand.bridges.ros2.cdr.joint_states import JOINT_STATE, JointStates
+from farhand.bridges.ros2.cdr.types import CdrError, Types
+from farhand.bridges.ros2.graph.node import Heard, Subscription
+from farhand.bridges.ros2.graph.wire import Attachment, data_key
+from farhand.bridges.ros2.inbound.devices import JoyDevice, TwistDevice
+from farhand.bridges.ros2.inbound.joy import JoySettings
+from farhand.bridges.ros2.inbound.reading import (
+    JOY,
+    TWIST,
+    Reader,
+    Refusals,
+    RefusedError,
+    TwistFrames,
+    inputs_of,
+)
+from farhand.bridges.ros2.inbound.twist_hand import TwistHand
 from farhand.exports.ros_messages import Ros
 from farhand.operator_side.devices.hand import Obstacles
 from farhand.testing import state

@@ -8,7 +8,7 @@ import sys
 import pytest
 from msgspec.structs import replace
 
-from farhand.bridges.ros2.parameters import STRING
+from farhand.bridges.ros2.serving.parameters import STRING
 from farhand.common.link.ports import free_ports
 from farhand.common.messages.camera import CameraFrame
 from farhand.testing import command, description, obstacle, report, scene, state

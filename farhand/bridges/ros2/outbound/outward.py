@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from farhand.bridges.ros2.description import ArmFrames
-from farhand.bridges.ros2.joint_states import JOINT_STATE, JointStates
-from farhand.bridges.ros2.markers import ARRAY, Markers
-from farhand.bridges.ros2.node import RosNode
-from farhand.bridges.ros2.status import diagnostics, servo_status, unknown
-from farhand.bridges.ros2.wire import LATCHED, RELIABLE, ROSOUT, SENSOR
+from farhand.bridges.ros2.cdr.joint_states import JOINT_STATE, JointStates
+from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.wire import LATCHED, RELIABLE, ROSOUT, SENSOR
+from farhand.bridges.ros2.outbound.description import ArmFrames
+from farhand.bridges.ros2.outbound.markers import ARRAY, Markers
+from farhand.bridges.ros2.outbound.status import diagnostics, servo_status, unknown
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Message
 from farhand.common.messages.camera import CameraFrame

@@ -11,8 +11,8 @@ from typing import Any
 import zenoh
 import zenoh.ext
 
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import (
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.wire import (
     SERVICE,
     Attachment,
     Kind,

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import msgspec
 import zenoh
 
-from farhand.bridges.ros2.playback import kept_in
+from farhand.bridges.ros2.kept import kept_in
 from farhand.common.messages.keys import acknowledge_key, estop_key, ticks_key
 from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.site.acknowledge import acknowledge
