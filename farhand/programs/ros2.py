@@ -18,6 +18,7 @@ from farhand.bridges.ros2.playback import CLOCK, RunPlayback
 from farhand.bridges.ros2.serving.desk import OperatorDesk, RobotDesk
 from farhand.bridges.ros2.settings import Ros2Options as Ros2Options
 from farhand.common.link.zenoh_link import ZenohLink, open_session
+from farhand.common.link.zenoh_threads import one_thread
 from farhand.common.messages.keys import (
     camera_key,
     check_robot_name,
@@ -38,10 +39,16 @@ from farhand.programs.sessions import random_session
 
 SWITCH_INTERVAL = 0.0005
 """How long the thread that draws may keep the loop's from running (s)."""
+SETTINGS = (
+    ("timestamping/enabled", True),
+    ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", 0),
+)
+"""Of the session at the router: what latched topics want, and that the one thread waits for no reader."""
 
 
 def ros2_program(options: Ros2Options) -> int:
     """Run until it is told to end; returns 0. Raises InputError."""
+    one_thread()
     types = Types(options.distro)
     secure(Access(connect=(options.router,)), lambda line: say("ros2", line))
     sys.setswitchinterval(SWITCH_INTERVAL)
@@ -70,7 +77,8 @@ def _bridge(
     wakes: list[Callable[[], None]] = []
     node = _node(robot, options, types, clock, closing, lambda: _wake(wakes))
     session = open_session([connect])
-    link = ZenohLink(session, _keys(robot, options.side), clock, lambda: _wake(wakes))
+    # What arrives there wakes nobody: it waits for the next look, and states for nothing.
+    link = ZenohLink(session, _keys(robot, options.side), clock)
     closing.callback(link.close)
     desk: Desk = OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect)
     bridge = Bridge(options, node, link, desk, clock, random_session, tell)
@@ -120,7 +128,7 @@ def _node(
     wake: Callable[[], None],
 ) -> RosNode:
     """The node at its router, until `closing`; raises InputError where there is no router."""
-    ros = open_session([options.router], mode="client", extra=[("timestamping/enabled", True)])
+    ros = open_session([options.router], mode="client", extra=SETTINGS)
     closing.callback(ros.close)
     name, namespace = node_name(robot), check_namespace(options.namespace)
     return RosNode(ros, types, clock, domain=options.domain, namespace=namespace, name=name, wake=wake)
