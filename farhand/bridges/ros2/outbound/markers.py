@@ -6,9 +6,8 @@ Every marker ends by itself two seconds after it was told last: what nobody conf
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from farhand.common.messages.base import Quaternion, Vector3
+from farhand.bridges.ros2.cdr.marker_array import Color, Marker
+from farhand.common.messages.base import Vector3
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
@@ -19,22 +18,20 @@ from farhand.common.shapes.obstacle import Obstacle, moved
 from farhand.common.shapes.pose import out_of, rotation
 from farhand.common.shapes.shape import Shape
 from farhand.common.shapes.sphere import Sphere
-from farhand.exports.ros_messages import PLANE_SIZE, PLANE_THICKNESS, Ros
-from farhand.foxglove.figures import BASE, UPRIGHT
+from farhand.exports.ros_messages import PLANE_SIZE, PLANE_THICKNESS
+from farhand.foxglove.figures import UPRIGHT
 
-ARRAY = "visualization_msgs/msg/MarkerArray"
 LIFETIME = 2
 """s; what stands is told again every second."""
 TARGET_SIZE = 0.024
+ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 CUBE, SPHERE, CYLINDER, LINES, BALLS, TEXT, TRIANGLES = 1, 2, 3, 4, 7, 9, 11
-Color = tuple[float, float, float, float]
 OBSTACLE: Color = (0.85, 0.45, 0.2, 0.9)
 MARGIN: Color = (0.95, 0.75, 0.2, 0.22)
 TARGET: Color = (0.2, 0.65, 0.35, 0.9)
 GHOST: Color = (0.3, 0.55, 0.95, 0.35)
 PLAN: Color = (0.3, 0.55, 0.95, 0.9)
 BINDS: Color = (0.95, 0.6, 0.1, 1.0)
-_NO_BYTES = np.array([], dtype=np.uint8)
 
 
 class Part(NamedTuple):
@@ -75,45 +72,35 @@ def parts_of(shape: Shape, grown: float = 0.0) -> list[Part]:
 
 
 class Markers:
-    """Args:
-    ros: makes messages.
-
-    Attributes:
-        d_min: distance to keep (m), for the shells around obstacles, to which the reports' margin is added; None: it
-            is not known, and no shell is shown.
+    """Attributes:
+    d_min: distance to keep (m), for the shells around obstacles, to which the reports' margin is added; None: it
+        is not known, and no shell is shown.
     """
 
-    def __init__(self, ros: Ros) -> None:
-        self._ros = ros
+    def __init__(self) -> None:
         self.d_min: float | None = None
         self._names: set[str] = set()
 
-    def standing(self, scene: Scene, grown: float | None, age: float, at_ns: int) -> Any:
+    def standing(self, scene: Scene, grown: float | None, age: float) -> list[Marker]:
         """Obstacles, shells and targets, and the ends of those that are no more.
 
         Args:
             scene: the newest.
             grown: what the margin adds (m); None: not known, and no shell is shown.
             age: of the scene (s).
-            at_ns: time of day.
         """
-        obstacles = [moved(each, age) for each in scene.obstacles]
-        markers = list(self._drawn(obstacles, grown, at_ns))
-        for number, target in enumerate(scene.targets):
-            markers.append(
-                self._marker(
-                    at_ns, "targets", number, target, Part(SPHERE, target, _cube(TARGET_SIZE)), TARGET
-                )
-            )
+        markers = list(self._drawn([moved(each, age) for each in scene.obstacles], grown))
+        here = Part(SPHERE, ORIGIN, _cube(TARGET_SIZE))
+        markers += [_marker("targets", n, target, here, TARGET) for n, target in enumerate(scene.targets)]
         names = {each.id for each in scene.obstacles}
         for gone in sorted(self._names - names):
             for group in (f"obstacle {gone}", f"margin {gone}"):
-                markers += [self._ros_delete(at_ns, group, number) for number in range(3)]
+                markers += [_end(group, number) for number in range(3)]
         self._names = names
-        return self._ros.make(ARRAY, markers=markers)
+        return markers
 
     def moving(self, scene: Scene | None, report: ControlReport, command: VelocityCommand | None, radius: float,
-               age: float, at_ns: int) -> Any:  # fmt: skip
+               age: float) -> list[Marker]:  # fmt: skip
         """What changes with every tick: movers, the ghost, the plan, what binds.
 
         Args:
@@ -122,106 +109,61 @@ class Markers:
             command: the newest; None: none yet.
             radius: of the robot's sphere (m).
             age: of the scene (s).
-            at_ns: time of day.
         """
         movers = [moved(each, age) for each in scene.obstacles if each.moves] if scene is not None else []
-        markers = list(self._drawn(movers, report.inflation, at_ns))
+        markers = list(self._drawn(movers, report.inflation))
         if report.states:
-            ghost = Part(SPHERE, report.predicted, _cube(2.0 * max(radius, 1e-3)))
-            markers.append(self._marker(at_ns, "ghost", 0, report.predicted, ghost, GHOST))
+            ball = Part(SPHERE, ORIGIN, _cube(2.0 * max(radius, 1e-3)))
+            markers.append(_marker("ghost", 0, report.predicted, ball, GHOST))
             points = planned(report, command)
-            markers.append(
-                self._marker(
-                    at_ns,
-                    "plan",
-                    0,
-                    (0.0, 0.0, 0.0),
-                    Part(LINES, (0.0, 0.0, 0.0), (0.008, 0.0, 0.0), points),
-                    PLAN,
-                )
-                if len(points) > 1
-                else self._ros_delete(at_ns, "plan", 0)
-            )
-            markers += self._binding(scene, report, age, at_ns)
-        return self._ros.make(ARRAY, markers=markers)
+            line = Part(LINES, ORIGIN, (0.008, 0.0, 0.0), points)
+            markers.append(_marker("plan", 0, ORIGIN, line, PLAN) if len(points) > 1 else _end("plan", 0))
+            markers += _binding(scene, report, age)
+        return markers
 
-    def nothing(self, at_ns: int) -> Any:
+    def nothing(self) -> list[Marker]:
         """An end to all of it: nothing is heard of any of it."""
         self._names = set()
-        return self._ros.make(ARRAY, markers=[self._ros_delete(at_ns, "", 0, action=3)])
+        return [_end("", 0, action=3)]
 
-    def _drawn(self, obstacles: Sequence[Obstacle], grown: float | None, at_ns: int) -> Iterator[Any]:
+    def _drawn(self, obstacles: Sequence[Obstacle], grown: float | None) -> Iterator[Marker]:
         for each in obstacles:
             for number, part in enumerate(parts_of(each.shape)):
-                yield self._placed(at_ns, f"obstacle {each.id}", number, each, part, OBSTACLE)
+                yield _placed(f"obstacle {each.id}", number, each, part, OBSTACLE)
             if grown is not None and self.d_min is not None:
                 for number, part in enumerate(parts_of(each.shape, self.d_min + max(0.0, grown))):
-                    yield self._placed(at_ns, f"margin {each.id}", number, each, part, MARGIN)
+                    yield _placed(f"margin {each.id}", number, each, part, MARGIN)
 
-    def _binding(self, scene: Scene | None, report: ControlReport, age: float, at_ns: int) -> list[Any]:
-        """From the ghost to the obstacle that binds, and how near the robot said it is."""
-        found = [each for each in scene.obstacles if each.id == report.binding] if scene is not None else []
-        if not found or not report.intervening:
-            return [self._ros_delete(at_ns, "binding", number) for number in (0, 1)]
-        there = moved(found[0], age).position
-        line = Part(LINES, (0.0, 0.0, 0.0), (0.005, 0.0, 0.0), (report.predicted, there))
-        middle = tuple((a + b) / 2.0 for a, b in zip(report.predicted, there, strict=True))
-        words = (
-            report.binding
-            if report.clearance is None
-            else f"{report.binding}: {report.clearance * 1e3:.0f} mm"
-        )
-        text = Part(TEXT, middle, (0.0, 0.0, 0.05))  # type: ignore[arg-type]
-        return [
-            self._marker(at_ns, "binding", 0, (0.0, 0.0, 0.0), line, BINDS),
-            self._marker(at_ns, "binding", 1, middle, text, BINDS, text=words),  # type: ignore[arg-type]
-        ]
 
-    def _placed(self, at_ns: int, group: str, number: int, each: Obstacle, part: Part, color: Color) -> Any:
-        at = out_of(rotation(each.orientation), each.position, part.offset)
-        return self._marker(at_ns, group, number, at, part, color, orientation=each.orientation)
+def _binding(scene: Scene | None, report: ControlReport, age: float) -> list[Marker]:
+    """From the ghost to the obstacle that binds, and how near the robot said it is."""
+    found = [each for each in scene.obstacles if each.id == report.binding] if scene is not None else []
+    if not found or not report.intervening:
+        return [_end("binding", number) for number in (0, 1)]
+    (x, y, z), (to_x, to_y, to_z) = report.predicted, moved(found[0], age).position
+    line = Part(LINES, ORIGIN, (0.005, 0.0, 0.0), ((x, y, z), (to_x, to_y, to_z)))
+    words = report.binding
+    if report.clearance is not None:
+        words += f": {report.clearance * 1e3:.0f} mm"
+    middle = (x + to_x) / 2.0, (y + to_y) / 2.0, (z + to_z) / 2.0
+    text = Part(TEXT, ORIGIN, (0.0, 0.0, 0.05))
+    return [
+        _marker("binding", 0, ORIGIN, line, BINDS),
+        _marker("binding", 1, middle, text, BINDS)._replace(text=words),
+    ]
 
-    def _ros_delete(self, at_ns: int, group: str, number: int, action: int = 2) -> Any:
-        here: Vector3 = (0.0, 0.0, 0.0)
-        return self._marker(at_ns, group, number, here, Part(CUBE, here, here), OBSTACLE, action=action)
 
-    def _marker(  # noqa: PLR0913 (a marker has that many fields)
-        self,
-        at_ns: int,
-        group: str,
-        number: int,
-        position: Vector3,
-        part: Part,
-        color: Color,
-        *,
-        orientation: Quaternion = UPRIGHT,
-        text: str = "",
-        action: int = 0,
-    ) -> Any:
-        ros, (r, g, b, a) = self._ros, color
-        header = ros.header(at_ns, BASE)
-        return ros.make(
-            "visualization_msgs/msg/Marker",
-            header=header,
-            ns=group,
-            id=number,
-            type=part.kind,
-            action=action,
-            pose=ros.pose(position, orientation),
-            scale=ros.vector(part.scale),
-            color=ros.make("std_msgs/msg/ColorRGBA", r=r, g=g, b=b, a=a),
-            lifetime=ros.make("builtin_interfaces/msg/Duration", sec=LIFETIME, nanosec=0),
-            frame_locked=False,
-            points=[ros.make("geometry_msgs/msg/Point", x=p[0], y=p[1], z=p[2]) for p in part.points],
-            colors=[],
-            texture_resource="",
-            texture=ros.make("sensor_msgs/msg/CompressedImage", header=header, format="", data=_NO_BYTES),
-            uv_coordinates=[],
-            text=text,
-            mesh_resource="",
-            mesh_file=ros.make("visualization_msgs/msg/MeshFile", filename="", data=_NO_BYTES),
-            mesh_use_embedded_materials=False,
-        )
+def _placed(group: str, number: int, each: Obstacle, part: Part, color: Color) -> Marker:
+    at = out_of(rotation(each.orientation), each.position, part.offset)
+    return _marker(group, number, at, part, color)._replace(orientation=each.orientation)
+
+
+def _marker(group: str, number: int, position: Vector3, part: Part, color: Color) -> Marker:
+    return Marker(group, number, part.kind, position, UPRIGHT, part.scale, color, part.points)
+
+
+def _end(group: str, number: int, action: int = 2) -> Marker:
+    return Marker(group, number, CUBE, ORIGIN, UPRIGHT, ORIGIN, OBSTACLE, action=action)
 
 
 def planned(report: ControlReport, command: VelocityCommand | None) -> tuple[Vector3, ...]:

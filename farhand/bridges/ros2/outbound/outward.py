@@ -1,17 +1,18 @@
 """What Farhand says, on ROS topics: joint states at once, all else in batches in a thread of its own."""
 
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from farhand.bridges.ros2.cdr.frames import FRAMES, Frames
 from farhand.bridges.ros2.cdr.joint_states import JOINT_STATE, JointStates
+from farhand.bridges.ros2.cdr.marker_array import ARRAY, Marker, encode_markers
 from farhand.bridges.ros2.graph.node import RosNode
 from farhand.bridges.ros2.graph.wire import LATCHED, RELIABLE, ROSOUT, SENSOR
 from farhand.bridges.ros2.outbound.description import ArmFrames
-from farhand.bridges.ros2.outbound.markers import ARRAY, Markers
+from farhand.bridges.ros2.outbound.markers import LIFETIME, Markers
 from farhand.bridges.ros2.outbound.status import diagnostics, servo_status, unknown
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Message
@@ -89,7 +90,7 @@ class Outward:
         self._arm: ArmFrames | None = None
         self._encoder: JointStates | None = None
         self._encoder_of: ArmFrames | None = None
-        self._story = _Story(Markers(self._ros))
+        self._story = _Story(Markers())
         self._kept, self._asked_ns = kept, -(1 << 62)
         self._told_ns = self._looked_ns = -(1 << 62)
         self._gathered: deque[tuple[str, Any, int]] = deque()
@@ -238,20 +239,23 @@ class Outward:
         if scene is not None and self._markers.wanted and now_ns - story.stood_ns >= AGAIN_NS:
             story.stood_ns, story.shown = now_ns, True
             grown = report.inflation if report is not None else None
-            self._markers.put(story.markers.standing(scene, grown, scene_age_ns * 1e-9, at_ns))
+            self._mark(story.markers.standing(scene, grown, scene_age_ns * 1e-9), at_ns)
         if report is not None and self._markers.wanted:
-            self._markers.put(
-                story.markers.moving(scene, report, story.command, story.radius, scene_age_ns * 1e-9, at_ns)
+            self._mark(
+                story.markers.moving(scene, report, story.command, story.radius, scene_age_ns * 1e-9), at_ns
             )
         elif report is None and scene is None and story.shown:
             story.shown = False
-            self._markers.put(story.markers.nothing(at_ns))
+            self._mark(story.markers.nothing(), at_ns)
         if now_ns - story.told_ns >= to_ns(1.0):
             story.told_ns = now_ns
             if self._diagnostics.wanted:
                 self._diagnose(age, at_ns)
             if report is None:
                 self._tell_status(servo_status(story.report, age, story.state), now_ns)
+
+    def _mark(self, markers: Sequence[Marker], at_ns: int) -> None:
+        self._markers.put_bytes(encode_markers(at_ns, BASE, LIFETIME, markers))
 
     def _tell_status(self, status: tuple[int, str], now_ns: int) -> None:
         """What changed at once, and ten times a second."""
