@@ -28,13 +28,14 @@ from farhand.common.messages.keys import (
     scene_key,
     state_key,
 )
-from farhand.common.process.security import Access, local_only, secure
+from farhand.common.process.security import Access, local_only, secure, tool_place
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.recording.place import recording_at
 from farhand.common.recording.reader import read_run
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
+from farhand.common.trust.tls import TlsFolder
 from farhand.programs.sessions import random_session
 
 SWITCH_INTERVAL = 0.0005
@@ -48,9 +49,7 @@ SETTINGS = (
 
 def ros2_program(options: Ros2Options) -> int:
     """Run until it is told to end; returns 0. Raises InputError."""
-    one_thread()
     types = Types(options.distro)
-    secure(Access(connect=(options.router,)), lambda line: say("ros2", line))
     sys.setswitchinterval(SWITCH_INTERVAL)
     stop_event, clock = stop_event_on_signals(), SystemClock()
     with ExitStack() as closing:
@@ -73,14 +72,17 @@ def _bridge(
 ) -> None:
     """A running robot, until `stop_event` is set."""
     robot = check_robot_name(options.robot)
-    connect = _connect(options)
+    folder = _connected(options)
+    connect = options.connect
     wakes: list[Callable[[], None]] = []
     node = _node(robot, options, types, clock, closing, lambda: _wake(wakes))
-    session = open_session([connect])
+    session = open_session([connect], extra=folder.settings(tool_place(folder)) if folder else ())
     # What arrives there wakes nobody: it waits for the next look, and states for nothing.
     link = ZenohLink(session, _keys(robot, options.side), clock)
     closing.callback(link.close)
-    desk: Desk = OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect)
+    desk: Desk = (
+        OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect, options.tls_of(connect))
+    )
     bridge = Bridge(options, node, link, desk, clock, random_session, tell)
     states = _states(session, robot, options, bridge.outward, clock)
     closing.callback(states.undeclare)
@@ -128,7 +130,13 @@ def _node(
     wake: Callable[[], None],
 ) -> RosNode:
     """The node at its router, until `closing`; raises InputError where there is no router."""
-    ros = open_session([options.router], mode="client", extra=SETTINGS)
+    folder = _secured(options.router, options)
+    if folder is not None:
+        closing.callback(folder.watch_ends(lambda line: say("ros2", line)).close)
+    one_thread()
+    # Whose keys pass there is the router's to say: access control as Farhand's own links have it knows no ROS.
+    extra = [*SETTINGS, *(folder.encryption() if folder else ())]
+    ros = open_session([options.router], mode="client", extra=extra)
     closing.callback(ros.close)
     name, namespace = node_name(robot), check_namespace(options.namespace)
     return RosNode(ros, types, clock, domain=options.domain, namespace=namespace, name=name, wake=wake)
@@ -156,12 +164,16 @@ def _wake(wakes: Sequence[Callable[[], None]]) -> None:
         wake()
 
 
-def _connect(options: Ros2Options) -> str:
-    """Where the robot is heard: an operator's reports never leave its host, a robot may be another one's."""
+def _connected(options: Ros2Options) -> TlsFolder | None:
+    """The certificate folder for where the robot is heard: an operator's reports never leave its host."""
     if options.steers:
-        return local_only(options.connect, "--connect")
-    secure(Access(connect=(options.connect,)), lambda line: say("ros2", line))
-    return options.connect
+        local_only(options.connect, "--connect")
+    return _secured(options.connect, options)
+
+
+def _secured(endpoint: str, options: Ros2Options) -> TlsFolder | None:
+    access = Access(connect=(endpoint,), tls=options.tls_of(endpoint))
+    return secure(access, lambda line: say("ros2", line))
 
 
 def _keys(robot: str, side: str) -> list[str]:
