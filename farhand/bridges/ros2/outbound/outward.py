@@ -60,6 +60,7 @@ class Outward:
         refused: what the bridge refused so far, by topic and reason; shown in the diagnostics.
         steers: what steers, for people.
         stands: whether robot_description and the standing frames were told.
+        joint_states: their publisher.
         failed, trouble: what could not be told, and the newest reason.
         lost: what found no place because the thread of its own was too slow.
     """
@@ -72,7 +73,7 @@ class Outward:
         self.steers, self.stands, self.trouble = "", False, ""
         types = node.types
         self._types, self._ros, self._epoch_ns, self._robot = types, Ros(types.types), epoch_ns, robot
-        self._joints = node.publisher("joint_states", JOINT_STATE, RELIABLE)
+        self.joint_states = node.publisher("joint_states", JOINT_STATE, RELIABLE)
         self._frames = node.publisher("/tf", FRAMES, RELIABLE)
         self._standing = node.publisher("/tf_static", FRAMES, LATCHED)
         self._urdf = node.publisher("robot_description", "std_msgs/msg/String", LATCHED)
@@ -118,7 +119,7 @@ class Outward:
             return
         self._newest_state.append(("state", state, at_ns))
         arm = self._arm  # until the robot has said what its joints are called, nobody else does
-        if state.joints and arm is not None and self._joints.wanted:
+        if state.joints and arm is not None and self.joint_states.wanted:
             if (
                 self._encoder is None
                 or self._encoder_of is not arm
@@ -126,7 +127,7 @@ class Outward:
             ):
                 self._encoder_of = arm
                 self._encoder = JointStates(self._types, self._ros, arm.names(len(state.joints)))
-            self._joints.put_bytes(self._encoder.encode(at_ns + self._epoch_ns, state.joints))
+            self.joint_states.put_bytes(self._encoder.encode(at_ns + self._epoch_ns, state.joints))
 
     def look(self, now_ns: int) -> None:
         """Let time act; never waits."""

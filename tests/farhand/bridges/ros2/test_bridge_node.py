@@ -45,6 +45,10 @@ class Drive:
             attachment = Attachment(self.seq, self.now_ns, GID).to_bytes()
             self.subscription.put(Heard(key_of(TWIST), TYPES.encode(message, TWIST), attachment, self.now_ns))
             self.node.step(self.now_ns)
+        return self.said()
+
+    def said(self):
+        """The last that was sent to the operator's program."""
         said = [
             self._decoder.decode(each.payload) for each in self.link.sent if each.key == steering_key("r")
         ]
@@ -78,6 +82,16 @@ def test_what_lets_go_wants_a_fresh_press_afterwards(drive, what, fields):
     drive.run(twist(), 5)
     steering = drive.run(FORWARD, 5)
     assert (steering.engaged, steering.press) == (True, 2)
+
+
+def test_silence_lets_go_at_once_though_nothing_comes_that_would_wake_it(drive):
+    heard_ns, now_ns, engaged = drive.now_ns, drive.now_ns, True
+    for _ in range(50):
+        now_ns = drive.link.now_ns = drive.node.step(now_ns)
+        engaged = drive.said().engaged
+        if not engaged:
+            break
+    assert (engaged, now_ns) == (False, heard_ns + 100 * MS + 1)
 
 
 def test_reports_are_handed_on_and_the_wheel_is_given_up_at_the_end(drive):

@@ -95,7 +95,7 @@ def _drive(peer, frames, stream, target=TARGET):
     pytest.fail(f"it stands {left:.3f} m before {target}")
 
 
-def test_on_the_robots_side_it_tells_the_states_and_stops_the_robot_and_steers_nothing(tmp_path):
+def test_on_the_robots_side_it_tells_the_states_and_stops_the_robot_and_is_gone_when_it_is_killed(tmp_path):
     meeting, far = free_ports(2)
     scenario = short_task(tmp_path)
     with router(meeting), Programs(tmp_path) as programs, Peer(meeting) as peer:
@@ -109,7 +109,13 @@ def test_on_the_robots_side_it_tells_the_states_and_stops_the_robot_and_steers_n
         assert "MS" not in kinds
         found = peer.call("/farhand/ur5/estop", "std_srvs/srv/Trigger")
         assert found.success, found.message
-        assert bridge.interrupt(30) == 0
+        bridge.signal(signal.SIGKILL)
+        bridge.wait()
+        for _ in range(100):
+            left = [token for token in peer.tokens() if "%farhand%ur5" in token or token.endswith("/ur5")]
+            if not left:
+                break
+        assert not left
 
 
 OUT = {
@@ -139,6 +145,7 @@ def test_twists_drive_the_arm_of_the_demo_around_its_obstacle_and_every_topic_is
         camera = programs.start("camera", "--connect", robot_side, "--rate", 2)
         bridge = programs.start("ros2", "--router", f"tcp/127.0.0.1:{meeting}", "--connect", report)
         heard = {topic: peer.listen(topic, kind) for topic, kind in OUT.items()}
+        bridge.wait_for("node /farhand/ur5")
         tool(heard["/tf"])
         heard["/tf_static"] = peer.listen("/tf_static", TF, qos=":1:,1:,:,:,,")
         heard["/farhand/robot_description"] = peer.late("/farhand/robot_description", "std_msgs/msg/String")
