@@ -126,19 +126,20 @@ def _see(heard, joints, picture):
     assert first(heard["/farhand/camera/camera_info"]).width == 8
 
 
-def test_what_nobody_reads_is_not_sent(bridge, peer):
-    outward = bridge.bridge.outward
-    stream = again(
-        bridge, lambda seq: (UR5, "description"), lambda seq: (state(seq, joints=(0.0,) * 6), "state")
-    )
-    try:
-        while not outward.stands:
-            bridge.wait(lambda s: s.engaged, 0.05)
-        assert (outward.joint_states.wanted, outward.joint_states.sent) == (False, 0)
-        first(peer.listen("/farhand/joint_states", "sensor_msgs/msg/JointState"))
-        assert outward.joint_states.sent
-    finally:
-        stream.close()
+def test_what_nobody_reads_is_not_sent(port, peer):
+    with running(port, namespace="/unread") as bridge:
+        told = bridge.bridge.outward
+        stream = again(
+            bridge, lambda seq: (UR5, "description"), lambda seq: (state(seq, joints=(0.0,) * 6), "state")
+        )
+        try:
+            while not told.stands:
+                bridge.wait(lambda s: s.engaged, 0.05)
+            assert (told.joint_states.wanted, told.joint_states.sent) == (False, 0)
+            first(peer.listen("/unread/joint_states", "sensor_msgs/msg/JointState"))
+            assert told.joint_states.sent
+        finally:
+            stream.close()
 
 
 def test_who_comes_late_gets_the_robot_and_its_standing_frames(bridge, peer):
