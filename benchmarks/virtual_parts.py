@@ -1,8 +1,8 @@
 """Where a tick of virtual time goes, part by part: processor time per period of the robot, which adds up to the run's.
 
-`python -m benchmarks.virtual_parts [SCENARIO ...] [--quick] [--json FILE]`. Every part has a stopwatch that stops that of
-the part around it; what the stopwatches take is measured and taken off. The whole of the same runs without them stands below.
-Compare the parts of a run with one another: others on the machine slow all of them down.
+`python -m benchmarks.virtual_parts [SCENARIO ...] [--quick] [--json FILE]`. Every part has a stopwatch that stops that
+of the part around it; what the stopwatches take is measured and taken off. The whole of the same runs without them
+stands below. Compare the parts of a run with one another: others on the machine slow all of them down.
 """
 
 import argparse
