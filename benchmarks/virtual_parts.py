@@ -1,8 +1,9 @@
 """Where a tick of virtual time goes, part by part: processor time per period of the robot, which adds up to the run's.
 
 `python -m benchmarks.virtual_parts [SCENARIO ...] [--quick] [--json FILE]`. Every part has a stopwatch that stops that
-of the part around it; what the stopwatches take is measured and taken off. The whole of the same runs without them
-stands below. Compare the parts of a run with one another: others on the machine slow all of them down.
+of the part around it; what a stopwatch takes on its own is taken off. Each run is made without them as well: by how
+much the parts are more than that is what they cost the rest, a row of its own, so that all rows add up to the run.
+Compare the parts of a run with one another: others on the machine slow all of them down.
 """
 
 import argparse
@@ -179,8 +180,8 @@ def main() -> None:
             for guard in (False, True)
         )
         rows = {part: [off[0][part], on[0][part]] for part in off[0]}
-        rows["sum"] = [sum(off[0].values()), sum(on[0].values())]
-        rows["the same runs, without stopwatches"] = [off[1], on[1]]
+        rows["what the stopwatches cost the rest"] = [each[1] - sum(each[0].values()) for each in (off, on)]
+        rows["the same runs without them"] = [off[1], on[1]]
         rows["times real time"] = [off[2], on[2]]
         results[name] = rows
         print(f"{name:36s} guard off    on   us a tick")

@@ -6,7 +6,6 @@ distribution that was asked for (tc-netem blends uniform numbers, which changes 
 """
 
 import math
-from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -70,13 +69,13 @@ class Normals:
     as a single one takes longer than all the rest of a delay."""
 
     def __init__(self, rng: np.random.Generator) -> None:
-        self._block = partial(rng.standard_normal, _BLOCK)
+        self._rng = rng
         self._drawn: list[float] = []
 
     def draw(self) -> float:
         """The next number."""
         if not self._drawn:
-            self._drawn = self._block().tolist()[::-1]
+            self._drawn = np.flip(self._rng.standard_normal(size=_BLOCK)).tolist()
         return self._drawn.pop()
 
 
