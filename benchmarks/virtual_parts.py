@@ -174,7 +174,7 @@ def main() -> None:
     options = parser.parse_args()
     repeats, limit = (1, SHORT) if options.quick else (REPEATS, TIME_LIMIT)
     results: dict[str, dict[str, list[float]]] = {}
-    for name in options.scenarios:
+    for name in options.scenarios[:1] if options.quick else options.scenarios:
         off, on = (
             parts(replace_setting(load_scenario(name), "guard.on", guard), repeats, limit)
             for guard in (False, True)
