@@ -4,7 +4,7 @@ import math
 
 import pytest
 import tomli_w
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from farhand.common.errors import ScenarioError
@@ -181,6 +181,7 @@ SECTIONS = ["name", "start", "targets", "obstacles", "robot", "safety", "control
 
 
 @given(st.sampled_from(SECTIONS), values)
+@example("robot", {"\n": {}})
 def test_any_value_for_a_key_is_taken_or_a_scenario_error(key, value):
     table = scenario_to_table(parse_scenario(GOOD, "x")) | {key: value}
     try:
