@@ -240,7 +240,9 @@ def find_rows(
                 if moves:
                     chased = nx * rows[j, VELOCITY] + ny * rows[j, VELOCITY + 1] + nz * rows[j, VELOCITY + 2]
                     chased += rows[j, ACCELERATION] * par[ANSWER]
-                count = take_row(row, bound + chased, low, high, d, i, j, chased, rows_out, b_out, facts, count)
+                count = take_row(
+                    row, bound + chased, low, high, d, i, j, chased, rows_out, b_out, facts, count
+                )
                 if d - way < par[CHECK]:
                     watching = watch(watched, watching, i, j, t0, t1, d)
     weakest, farthest = NOTHING, 0.0  # rad/s^2, of any joint; rad/s, off what it was told
