@@ -25,6 +25,7 @@ from farhand.robot_side.kernel.chain import forward
 from farhand.robot_side.kernel.distance import NOTHING
 from farhand.robot_side.kernel.jit import compiled
 from farhand.robot_side.kernel.qp import BAD_INPUT, SOLVED, solve, yielding
+from farhand.robot_side.kernel.rotation import turn_wanted
 from farhand.robot_side.kernel.rows import find_rows
 from farhand.robot_side.kernel.stopping import can_stop, stop_angle, together
 from farhand.robot_side.kernel.velocity import (
@@ -32,7 +33,6 @@ from farhand.robot_side.kernel.velocity import (
     YIELDED,
     brake,
     joint_box,
-    turn_wanted,
     velocity,
 )
 
