@@ -133,6 +133,9 @@ def _told(where: str, said: str) -> str:
     setting, place = where.removeprefix("setting "), said.partition(": ")[0]
     if setting != where and "," not in setting and f"{setting}.".startswith(f"{place}."):
         said = said.removeprefix(f"{place}: ")
+    said = "".join(
+        c if c.isprintable() else repr(c)[1:-1] for c in said
+    )  # a key may hold whatever TOML lets it
     return f"scenario {where}: {said}"
 
 

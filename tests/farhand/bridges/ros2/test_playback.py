@@ -4,8 +4,9 @@ import queue
 
 import pytest
 
-from farhand.bridges.ros2.playback import CLOCK, RunPlayback, kept_in
-from farhand.bridges.ros2.types import Types
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.kept import kept_in
+from farhand.bridges.ros2.playback import CLOCK, RunPlayback
 from farhand.common.link.ports import free_ports
 from farhand.common.recording.reader import read_run
 from farhand.testing import Programs

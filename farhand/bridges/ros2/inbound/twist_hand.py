@@ -14,7 +14,7 @@
 
 from dataclasses import dataclass
 
-from farhand.bridges.ros2.arrivals import LATE, Arrivals
+from farhand.bridges.ros2.inbound.arrivals import LATE, Arrivals
 from farhand.common.geometry import norm
 from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.steering import Frame, Steering, Unit, unsent

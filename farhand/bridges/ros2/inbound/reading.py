@@ -5,10 +5,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from farhand.bridges.ros2.node import Heard
-from farhand.bridges.ros2.twist_hand import Wanted
-from farhand.bridges.ros2.types import CdrError, Types
-from farhand.bridges.ros2.wire import Attachment, dds_name, read_attachment
+from farhand.bridges.ros2.cdr.types import CdrError, Types
+from farhand.bridges.ros2.graph.node import Heard
+from farhand.bridges.ros2.graph.wire import Attachment, dds_name, read_attachment
+from farhand.bridges.ros2.inbound.twist_hand import Wanted
 from farhand.common.errors import FarhandError
 from farhand.common.messages.base import Vector3
 from farhand.common.messages.steering import Frame

@@ -11,8 +11,8 @@ from typing import Any
 import zenoh
 import zenoh.ext
 
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import (
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.wire import (
     SERVICE,
     Attachment,
     Kind,
@@ -55,6 +55,10 @@ class Publisher:
     qos: of it.
     gid: what identifies it.
     clock: of this process.
+
+    Attributes:
+        wanted: whether anybody reads it, or may read later what is latched; what is not wanted is not sent.
+        sent, refused: how many messages, and how many of them Zenoh did not take.
     """
 
     def __init__(self, session: zenoh.Session, types: Types, kind: str, key: str, qos: Qos, gid: bytes,
@@ -64,6 +68,7 @@ class Publisher:
         # A reader that is slow or dead must never hold this thread, so that congestion drops.
         drop: Any = {"congestion_control": zenoh.CongestionControl.DROP, "encoding": _CDR}
         self._publisher: Any
+        self.wanted = qos.latched
         if qos.latched:
             missed: Any = zenoh.ext.MissDetectionConfig  # its stub wants both of its settings
             self._publisher = zenoh.ext.declare_advanced_publisher(
@@ -76,13 +81,21 @@ class Publisher:
             )
         else:
             self._publisher = session.declare_publisher(key, express=True, **drop)
+            self._listener = self._publisher.declare_matching_listener(self._matched)
+            if (
+                self._publisher.matching_status.matching
+            ):  # never False here: the listener may have known better
+                self.wanted = True
 
     def put(self, message: Any) -> None:
         """Send a message; never waits."""
-        self.put_bytes(self._types.encode(message, self.kind))
+        if self.wanted:
+            self.put_bytes(self._types.encode(message, self.kind))
 
     def put_bytes(self, payload: bytes) -> None:
         """The same, of CDR bytes."""
+        if not self.wanted:
+            return
         self.sent += 1
         now_ns = self._clock.now_ns() + self._clock.epoch_ns()
         attachment = Attachment(self.sent, now_ns, self._gid)
@@ -90,6 +103,9 @@ class Publisher:
             self._publisher.put(payload, attachment=attachment.to_bytes())
         except zenoh.ZError:
             self.refused += 1
+
+    def _matched(self, status: zenoh.MatchingStatus) -> None:
+        self.wanted = status.matching
 
 
 class Subscription:

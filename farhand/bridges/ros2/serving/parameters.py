@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from farhand.bridges.ros2.node import RosNode, ServiceCall
-from farhand.bridges.ros2.types import Types
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import RosNode, ServiceCall
 
 NOT_SET, BOOL, INTEGER, DOUBLE, STRING = range(5)
 """Types of rcl_interfaces/msg/ParameterType."""

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from farhand.bridges.ros2.definitions import MESSAGES, SERVICES
+from farhand.bridges.ros2.cdr.definitions import MESSAGES, SERVICES
 from farhand.common.errors import FarhandError, InputError
 
 DISTROS = ("jazzy", "kilted", "lyrical")

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from farhand.bridges.ros2.node import RosNode, ServiceCall
+from farhand.bridges.ros2.graph.node import RosNode, ServiceCall
 from farhand.common.timing.handoff import Handoff
 
 TRIGGER, SET_BOOL, COMMAND_TYPE = (

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 from msgspec.structs import replace
 
-from farhand.common.messages.base import Quaternion, Vector3
+from farhand.bridges.ros2.cdr.frames import Frame
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.state import RobotState
 from farhand.foxglove.body import Body
@@ -13,7 +13,6 @@ from farhand.foxglove.figures import BASE, PREDICTED, TOOL
 from farhand.robot_side.arm.catalogue import ARMS
 from farhand.robot_side.arm.model import model
 
-Frame = tuple[str, Vector3, Quaternion]
 OWN = (BASE, TOOL, PREDICTED)
 """Farhand's frames. A link of the same name, such as the UR's `base`, which is turned by half a turn, gets another."""
 

@@ -1,9 +1,9 @@
 """The two steering devices of a ROS 2 graph, each a hand of its own: a stream of twists, and a joystick."""
 
-from farhand.bridges.ros2.arrivals import LATE, Arrivals
-from farhand.bridges.ros2.inbound import Reader, Refusals, RefusedError, TwistFrames, inputs_of
-from farhand.bridges.ros2.node import Subscription
-from farhand.bridges.ros2.twist_hand import TwistHand
+from farhand.bridges.ros2.graph.node import Subscription
+from farhand.bridges.ros2.inbound.arrivals import LATE, Arrivals
+from farhand.bridges.ros2.inbound.reading import Reader, Refusals, RefusedError, TwistFrames, inputs_of
+from farhand.bridges.ros2.inbound.twist_hand import TwistHand
 from farhand.common.messages.steering import Steering
 from farhand.operator_side.devices.hand import Hand, Obstacles
 from farhand.operator_side.devices.reading import Reading

@@ -1,17 +1,19 @@
-"""What Farhand says, on ROS topics: joint states at once, whatever takes longer in a thread of its own."""
+"""What Farhand says, on ROS topics: joint states at once, all else in batches in a thread of its own."""
 
-from collections import Counter
-from collections.abc import Callable
+from collections import Counter, deque
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from farhand.bridges.ros2.description import ArmFrames
-from farhand.bridges.ros2.joint_states import JOINT_STATE, JointStates
-from farhand.bridges.ros2.markers import ARRAY, Markers
-from farhand.bridges.ros2.node import RosNode
-from farhand.bridges.ros2.status import diagnostics, servo_status, unknown
-from farhand.bridges.ros2.wire import LATCHED, RELIABLE, ROSOUT, SENSOR
+from farhand.bridges.ros2.cdr.frames import FRAMES, Frames
+from farhand.bridges.ros2.cdr.joint_states import JOINT_STATE, JointStates
+from farhand.bridges.ros2.cdr.marker_array import ARRAY, Marker, encode_markers
+from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.wire import LATCHED, RELIABLE, ROSOUT, SENSOR
+from farhand.bridges.ros2.outbound.description import ArmFrames
+from farhand.bridges.ros2.outbound.markers import LIFETIME, Markers
+from farhand.bridges.ros2.outbound.status import diagnostics, servo_status, unknown
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Message
 from farhand.common.messages.camera import CameraFrame
@@ -25,17 +27,18 @@ from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.handoff import Handoff
 from farhand.exports.ros_messages import ERROR, WARN, Ros
-from farhand.foxglove.figures import PREDICTED
+from farhand.foxglove.figures import BASE, PREDICTED
 from farhand.foxglove.happenings import Happening, Happenings
 
-MOVES_EVERY_NS = 20_000_000
-"""Frames are told so often."""
+BATCH_NS = 15_000_000
+"""So long what need not be told at once is gathered; the frames of the newest state are told with each batch."""
 DRAWN_EVERY_NS = 100_000_000
 AGAIN_NS = 1_000_000_000
 """What stands is told so often, for who comes late; diagnostics too."""
 SCENE_LOST_NS = 1_500_000_000
 ASK_AGAIN_NS = 5_000_000_000
 WAITING = 64
+"""Batches."""
 INFO = 20
 KINDS: dict[str, type[Message]] = {
     "report": ControlReport,
@@ -57,6 +60,7 @@ class Outward:
         refused: what the bridge refused so far, by topic and reason; shown in the diagnostics.
         steers: what steers, for people.
         stands: whether robot_description and the standing frames were told.
+        joint_states: their publisher.
         failed, trouble: what could not be told, and the newest reason.
         lost: what found no place because the thread of its own was too slow.
     """
@@ -69,9 +73,9 @@ class Outward:
         self.steers, self.stands, self.trouble = "", False, ""
         types = node.types
         self._types, self._ros, self._epoch_ns, self._robot = types, Ros(types.types), epoch_ns, robot
-        self._joints = node.publisher("joint_states", JOINT_STATE, RELIABLE)
-        self._frames = node.publisher("/tf", "tf2_msgs/msg/TFMessage", RELIABLE)
-        self._standing = node.publisher("/tf_static", "tf2_msgs/msg/TFMessage", LATCHED)
+        self.joint_states = node.publisher("joint_states", JOINT_STATE, RELIABLE)
+        self._frames = node.publisher("/tf", FRAMES, RELIABLE)
+        self._standing = node.publisher("/tf_static", FRAMES, LATCHED)
         self._urdf = node.publisher("robot_description", "std_msgs/msg/String", LATCHED)
         self._markers = node.publisher("~/markers", ARRAY, RELIABLE)
         self._status = node.publisher("~/status", "moveit_msgs/msg/ServoStatus", RELIABLE)
@@ -87,10 +91,13 @@ class Outward:
         self._arm: ArmFrames | None = None
         self._encoder: JointStates | None = None
         self._encoder_of: ArmFrames | None = None
-        self._story = _Story(Markers(self._ros))
+        self._story = _Story(Markers())
         self._kept, self._asked_ns = kept, -(1 << 62)
-        self._moved_ns = self._looked_ns = -(1 << 62)
-        self._slow: Handoff[tuple[str, Any, int]] = Handoff(self._work, "ros2-out", WAITING)
+        self._told_ns = self._looked_ns = -(1 << 62)
+        self._gathered: deque[tuple[str, Any, int]] = deque()
+        self._newest_state: deque[tuple[str, Any, int]] = deque(maxlen=1)
+        self._layouts: dict[tuple[str, ...], Frames] = {}
+        self._slow: Handoff[list[tuple[str, Any, int]]] = Handoff(self._work, "ros2-out", WAITING)
 
     @property
     def lost(self) -> int:
@@ -101,7 +108,7 @@ class Outward:
         """Take one packet of the report endpoint or of the robot's side; never waits."""
         kind = packet.key.rpartition("/")[2]
         if kind in KINDS:
-            self._slow.put((kind, packet.payload, packet.arrived_ns))
+            self._gathered.append((kind, packet.payload, packet.arrived_ns))
         else:
             self.take_state(packet.payload, packet.arrived_ns)
 
@@ -110,8 +117,9 @@ class Outward:
         state = self._state_decoder.decode(payload)
         if state is None or not self._newest.accept(state, at_ns):
             return
+        self._newest_state.append(("state", state, at_ns))
         arm = self._arm  # until the robot has said what its joints are called, nobody else does
-        if state.joints and arm is not None:
+        if state.joints and arm is not None and self.joint_states.wanted:
             if (
                 self._encoder is None
                 or self._encoder_of is not arm
@@ -119,32 +127,41 @@ class Outward:
             ):
                 self._encoder_of = arm
                 self._encoder = JointStates(self._types, self._ros, arm.names(len(state.joints)))
-            self._joints.put_bytes(self._encoder.encode(at_ns + self._epoch_ns, state.joints))
-        if at_ns - self._moved_ns >= MOVES_EVERY_NS:
-            self._moved_ns = at_ns
-            self._slow.put(("state", state, at_ns))
+            self.joint_states.put_bytes(self._encoder.encode(at_ns + self._epoch_ns, state.joints))
 
     def look(self, now_ns: int) -> None:
         """Let time act; never waits."""
+        if now_ns - self._told_ns < BATCH_NS:
+            return
+        self._told_ns = now_ns
         if now_ns - self._looked_ns >= DRAWN_EVERY_NS:
             self._looked_ns = now_ns
-            self._slow.put(("look", None, now_ns))
+            self._gathered.append(("look", None, now_ns))
+        self._hand_over()
 
     def tell(self, line: str, now_ns: int) -> None:
-        """A line for /rosout; never waits."""
-        self._slow.put(("tell", line, now_ns))
+        """A line for /rosout, from any thread; never waits."""
+        self._gathered.append(("tell", line, now_ns))
 
     def close(self) -> None:
         """Say what waits, for a second at most."""
+        self._hand_over()
         self._slow.close(1.0)
 
-    def _work(self, what: tuple[str, Any, int]) -> None:
+    def _hand_over(self) -> None:
+        """All that is gathered, and the newest state: others append to both meanwhile."""
+        batch = [each.popleft() for each in (self._gathered, self._newest_state) for _ in range(len(each))]
+        if batch:
+            self._slow.put(batch)
+
+    def _work(self, batch: list[tuple[str, Any, int]]) -> None:
         """In the thread of its own, which nothing that is said may end."""
-        try:
-            self._do(*what)
-        except Exception as error:
-            self.failed[f"{what[0]} not told"] += 1
-            self.trouble = f"a {what[0]} could not be told: {type(error).__name__}: {error}"
+        for what in batch:
+            try:
+                self._do(*what)
+            except Exception as error:
+                self.failed[f"{what[0]} not told"] += 1
+                self.trouble = f"a {what[0]} could not be told: {type(error).__name__}: {error}"
 
     def _do(self, kind: str, found: Any, at_ns: int) -> None:
         if kind == "state":
@@ -180,10 +197,15 @@ class Outward:
         if self._story.described and state.joints:
             self._story.described, self.stands = False, True
             self._standing.put(self._ros.frames(at_ns + self._epoch_ns, self._arm.standing(state)))
+        if not self._frames.wanted:
+            return
         frames, report = self._arm.moving(state), self._story.report
         if report is not None and report.states:
             frames.append((PREDICTED, report.predicted, report.predicted_orientation))
-        self._frames.put(self._ros.frames(at_ns + self._epoch_ns, frames))
+        names = tuple(name for name, _, _ in frames)
+        if names not in self._layouts:
+            self._layouts = {names: Frames(BASE, names)}
+        self._frames.put_bytes(self._layouts[names].encode(at_ns + self._epoch_ns, frames))
 
     def _describe(self, robot: RobotDescription) -> None:
         self._arm = ArmFrames(robot)
@@ -215,22 +237,26 @@ class Outward:
         if report is not None and story.markers.d_min is None and now_ns - self._asked_ns > ASK_AGAIN_NS:
             self._asked_ns = now_ns
             story.markers.d_min = self._kept()
-        if scene is not None and now_ns - story.stood_ns >= AGAIN_NS:
+        if scene is not None and self._markers.wanted and now_ns - story.stood_ns >= AGAIN_NS:
             story.stood_ns, story.shown = now_ns, True
             grown = report.inflation if report is not None else None
-            self._markers.put(story.markers.standing(scene, grown, scene_age_ns * 1e-9, at_ns))
-        if report is not None:
-            self._markers.put(
-                story.markers.moving(scene, report, story.command, story.radius, scene_age_ns * 1e-9, at_ns)
+            self._mark(story.markers.standing(scene, grown, scene_age_ns * 1e-9), at_ns)
+        if report is not None and self._markers.wanted:
+            self._mark(
+                story.markers.moving(scene, report, story.command, story.radius, scene_age_ns * 1e-9), at_ns
             )
-        elif scene is None and story.shown:
+        elif report is None and scene is None and story.shown:
             story.shown = False
-            self._markers.put(story.markers.nothing(at_ns))
+            self._mark(story.markers.nothing(), at_ns)
         if now_ns - story.told_ns >= to_ns(1.0):
             story.told_ns = now_ns
-            self._diagnose(age, at_ns)
+            if self._diagnostics.wanted:
+                self._diagnose(age, at_ns)
             if report is None:
                 self._tell_status(servo_status(story.report, age, story.state), now_ns)
+
+    def _mark(self, markers: Sequence[Marker], at_ns: int) -> None:
+        self._markers.put_bytes(encode_markers(at_ns, BASE, LIFETIME, markers))
 
     def _tell_status(self, status: tuple[int, str], now_ns: int) -> None:
         """What changed at once, and ten times a second."""
@@ -271,7 +297,8 @@ class Outward:
     def _show(self, frame: CameraFrame, at_ns: int) -> None:
         """A picture, and what is known of the camera: its size, and that it is not calibrated."""
         at_ns += self._epoch_ns
-        self._picture.put(self._ros.image(at_ns, "jpeg", frame.jpeg))
+        if self._picture.wanted:
+            self._picture.put(self._ros.image(at_ns, "jpeg", frame.jpeg))
         make = self._types.make
         region = make(
             "sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False

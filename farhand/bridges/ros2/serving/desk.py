@@ -5,7 +5,7 @@ from collections.abc import Callable
 import msgspec
 import zenoh
 
-from farhand.bridges.ros2.playback import kept_in
+from farhand.bridges.ros2.kept import kept_in
 from farhand.common.messages.keys import acknowledge_key, estop_key, ticks_key
 from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.site.acknowledge import acknowledge
@@ -65,10 +65,11 @@ class RobotDesk:
     Args:
         robot: the robot's name.
         connect: where it is heard.
+        tls: certificate folder; empty: none.
     """
 
-    def __init__(self, robot: str, connect: str) -> None:
-        self._robot, self._connect = robot, connect
+    def __init__(self, robot: str, connect: str, tls: str = "") -> None:
+        self._robot, self._connect, self._tls = robot, connect, tls
 
     def estop(self) -> tuple[bool, str]:
         """Stop it for good."""
@@ -83,7 +84,7 @@ class RobotDesk:
         return None
 
     def _did(self, what: Callable[..., int], done: str) -> tuple[bool, str]:
-        code = what(self._robot, [self._connect], "")
+        code = what(self._robot, [self._connect], self._tls)
         return (
             code == 0,
             done if code == 0 else "not confirmed; why is said on the terminal of `farhand ros2`",

@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Sequence
 
-from farhand.bridges.ros2.types import Types
+from farhand.bridges.ros2.cdr.types import Types
 from farhand.common.messages.base import ZERO
 from farhand.common.messages.state import RobotState
 from farhand.exports.ros_messages import NANOSECONDS, Ros
