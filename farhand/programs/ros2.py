@@ -12,7 +12,6 @@ from farhand.bridges.ros2.bridge import Bridge, Desk
 from farhand.bridges.ros2.cdr.types import Types
 from farhand.bridges.ros2.graph.node import RosNode
 from farhand.bridges.ros2.graph.wire import SENSOR, check_namespace, node_name
-from farhand.bridges.ros2.kept import kept_in
 from farhand.bridges.ros2.outbound.outward import Outward
 from farhand.bridges.ros2.playback import CLOCK, RunPlayback
 from farhand.bridges.ros2.serving.desk import OperatorDesk, RobotDesk
@@ -112,7 +111,7 @@ def _play(
     """A recorded run to its end, or until `stop_event` is set."""
     found = read_run(recording_at(run))
     node = _node(check_robot_name(found.info.robot), options, types, clock, closing, lambda: None)
-    outward = Outward(node, found.info.robot, found.info.epoch_ns, lambda: kept_in(found.info))
+    outward = Outward(node, found.info.robot, found.info.epoch_ns, lambda: found.info.kept)
     closing.callback(outward.close)
     ticking = node.publisher("/clock", CLOCK, SENSOR)
     playback = RunPlayback(iter(found.ticks), found.info, outward, ticking, types, options.speed)

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import msgspec
 import zenoh
 
-from farhand.bridges.ros2.kept import kept_in
 from farhand.common.messages.keys import acknowledge_key, estop_key, ticks_key
 from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.site.acknowledge import acknowledge
@@ -40,7 +39,7 @@ class OperatorDesk:
             for reply in self._session.get(ticks_key(self._robot), payload=wanted, timeout=1.0):
                 if reply.ok is not None:
                     batch = msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=TickBatch)
-                    return kept_in(batch.info)
+                    return batch.info.kept
         except (zenoh.ZError, msgspec.MsgspecError, ValueError):
             pass
         return None

@@ -6,10 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from farhand.bridges.ros2.inbound import FAST, JOY, TWIST, Reader, RefusedError, TwistFrames, inputs_of
-from farhand.bridges.ros2.node import Heard
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import Attachment, data_key
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import Heard
+from farhand.bridges.ros2.graph.wire import Attachment, data_key
+from farhand.bridges.ros2.inbound.reading import (
+    FAST,
+    JOY,
+    TWIST,
+    Reader,
+    RefusedError,
+    TwistFrames,
+    inputs_of,
+)
 from farhand.trials.fuzz.target import Target, check
 
 STAMP = Attachment(1, 1, b"g" * 16)
