@@ -132,17 +132,20 @@ OUT = {
 
 @pytest.mark.long
 def test_twists_drive_the_arm_of_the_demo_around_its_obstacle_and_every_topic_is_decoded(tmp_path):
-    meeting, near, far, reports = free_ports(4)
+    meeting, near, far, beside, reports = free_ports(5)
     results = {name: tmp_path / f"{name}.json" for name in ("robot", "operator")}
     operator_side, robot_side, report = (f"tcp/127.0.0.1:{port}" for port in (near, far, reports))
     with router(meeting), Programs(tmp_path) as programs, Peer(meeting) as peer:
         netem = programs.start("netem", "--network", "constant:200", "--listen-operator", operator_side,
                                "--listen-robot", robot_side)  # fmt: skip
         netem.wait_for("listens on")
-        robot = programs.start("robot", "--connect", robot_side, "--result", results["robot"])
+        own = f"tcp/127.0.0.1:{beside}"
+        robot = programs.start(
+            "robot", "--connect", robot_side, "--listen", own, "--result", results["robot"]
+        )
         operator = programs.start("operator", "--steer", "remote", "--connect", operator_side,
                                   "--report", report, "--result", results["operator"])  # fmt: skip
-        camera = programs.start("camera", "--connect", robot_side, "--rate", 2)
+        camera = programs.start("camera", "--connect", own, "--connect", robot_side, "--rate", 2)
         bridge = programs.start("ros2", "--router", f"tcp/127.0.0.1:{meeting}", "--connect", report)
         heard = {topic: peer.listen(topic, kind) for topic, kind in OUT.items()}
         bridge.wait_for("node /farhand/ur5")
