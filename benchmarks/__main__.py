@@ -16,6 +16,7 @@ NAMES = (
     "arm_tick",
     "netem",
     "virtual_time",
+    "virtual_parts",
     "seat",
     "recording",
     "report",

@@ -2,13 +2,18 @@
 
 `python -m benchmarks.ros2 [--quick] [--json FILE]`. The operator's program and the ROS nodes are fakes of this process,
 at a real router; instants are those of one clock. What a message takes holds two Zenoh links as well: beside it
-stands what one such link takes alone. Needs the extra `farhand[ros2]`.
+stands what one such link takes alone, and what a program uses that passes the same states on by Zenoh and does nothing
+else, at the same time. Needs the extra `farhand[ros2]`.
 """
 
 import argparse
 import json
 import os
+import subprocess
+import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +22,10 @@ import zenoh
 from rich.console import Console
 from rich.table import Table
 
-from farhand.bridges.ros2.inbound import TWIST
-from farhand.bridges.ros2.node import RosNode
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import RELIABLE, data_key
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.wire import RELIABLE, data_key
+from farhand.bridges.ros2.inbound.reading import TWIST
 from farhand.common.link.link import Packet
 from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import ZenohLink, open_session, zenoh_config
@@ -34,6 +39,17 @@ JOINTS = "sensor_msgs/msg/JointState"
 STATES_HZ, TWISTS_HZ, REPORTS_HZ = 500, 100, 50
 SECONDS, QUICK = 20.0, 1.0
 BARE = "farhand/r/mirror/bare"
+PASSES_ON = """
+import sys, zenoh
+from farhand.common.link.zenoh_link import open_session
+robot = open_session([sys.argv[1]])
+router = open_session([sys.argv[2]], mode="client")
+onward = router.declare_publisher("0/bare", express=True, congestion_control=zenoh.CongestionControl.DROP)
+take = zenoh.handlers.Callback(lambda sample: onward.put(sample.payload.to_bytes()), indirect=False)
+robot.declare_subscriber(sys.argv[3], take)
+print("ready", flush=True)
+sys.stdin.read()
+"""
 
 
 class Ends:
@@ -59,6 +75,7 @@ class Ends:
         node = RosNode(session, self.types, clock, domain=0, namespace="", name="peer", wake=lambda: None)
         key = data_key(0, "/farhand/joint_states", JOINTS, self.types.hash_of(JOINTS))
         session.declare_subscriber(key, self._joints)
+        session.declare_subscriber("0/bare", lambda _: None)
         self.twists = node.publisher("/farhand/r/delta_twist_cmds", TWIST, RELIABLE)
 
     def twist(self, x: float) -> object:
@@ -102,7 +119,8 @@ def measure(seconds: float) -> dict[str, float]:
     arm = description(kind="ur5", model="ur5", joint_names=tuple("abcdef"), radius=0.05)
     try:
         with Program("ros2", "--robot", "r", "--router", f"tcp/127.0.0.1:{router_port}",
-                     "--connect", f"tcp/127.0.0.1:{operator_port}") as program:  # fmt: skip
+                     "--connect", f"tcp/127.0.0.1:{operator_port}") as program, \
+                _passing_on(operator_port, router_port) as bare_process:  # fmt: skip
             program.wait_for("node /farhand/r")
             seq = 0
             while not ends.out:
@@ -112,8 +130,9 @@ def measure(seconds: float) -> dict[str, float]:
                 pause.wait(0.1)
             process = psutil.Process(program.pid)
             used, begun_ns, first = process.cpu_times(), clock.now_ns(), seq + 1
+            bare_used = bare_process.cpu_times()
             sent, asked = _drive(ends, seconds, first)
-            spent = process.cpu_times()
+            spent, bare_spent = process.cpu_times(), bare_process.cpu_times()
             took = (clock.now_ns() - begun_ns) * 1e-9
             pause.wait(0.5)
     finally:
@@ -132,8 +151,27 @@ def measure(seconds: float) -> dict[str, float]:
         "one link alone, median": float(np.median(bare)),
         "one link alone, p99": float(np.quantile(bare, 0.99)),
         "share of a core": (spent.user + spent.system - used.user - used.system) / took,
+        "share of a core, passing on alone": (
+            bare_spent.user + bare_spent.system - bare_used.user - bare_used.system
+        )
+        / took,
         "load average": os.getloadavg()[0],
     }
+
+
+@contextmanager
+def _passing_on(operator: int, router: int) -> Iterator[psutil.Process]:
+    """A program of its own that passes each state on, and no more."""
+    words = [f"tcp/127.0.0.1:{operator}", f"tcp/127.0.0.1:{router}", mirror_key("r", "state")]
+    with subprocess.Popen(
+        [sys.executable, "-c", PASSES_ON, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdout.readline()
+        yield psutil.Process(process.pid)
+        process.stdin.close()
+        process.kill()
 
 
 def _drive(ends: Ends, seconds: float, seq: int) -> tuple[dict[int, int], dict[float, int]]:

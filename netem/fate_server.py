@@ -35,7 +35,7 @@ class FateServer:
         """The batch that a request asks for; None: it is none."""
         try:
             wanted = msgspec.json.decode(payload, type=FatesWanted)
-        except msgspec.MsgspecError:
+        except (msgspec.MsgspecError, ValueError, RecursionError):
             return None
         first, fates, more = self._history.since(wanted.since)
         ways = self._node.directions

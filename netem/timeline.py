@@ -87,7 +87,7 @@ def load_timeline(path: str | Path) -> Timeline:
     try:
         file = msgspec.convert(read_toml(path, "timeline"), _File)
     except msgspec.ValidationError as error:
-        raise InputError(f"{where}: {error}") from None
+        raise InputError(f"{where}: {' '.join(str(error).split())}") from None  # a key may hold a line feed
     last = 0.0
     for number, step in enumerate(file.at, start=1):
         if not 0 <= step.time <= MAX_TIME:

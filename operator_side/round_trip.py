@@ -90,4 +90,4 @@ def _moments(samples: Collection[float]) -> tuple[float, float]:
     """Mean and standard deviation."""
     n = len(samples)
     mean = sum(samples) / n
-    return mean, math.sqrt(sum((x - mean) ** 2 for x in samples) / (n - 1)) if n > 1 else 0.0
+    return mean, math.sqrt(sum([(x - mean) ** 2 for x in samples]) / (n - 1)) if n > 1 else 0.0

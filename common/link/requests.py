@@ -111,6 +111,17 @@ def refusal(why: str) -> bytes:
     return msgspec.json.encode({"ok": False, "error": why})
 
 
+def answer_in(payload: bytes) -> dict[str, Any]:
+    """The reply of a running program; raises InputError where it is none."""
+    try:
+        found = msgspec.json.decode(payload)
+    except (msgspec.MsgspecError, ValueError, RecursionError) as error:
+        raise InputError(f"the program's answer cannot be read: {' '.join(str(error).split())}") from None
+    if not isinstance(found, dict):
+        raise InputError("the program's answer cannot be read: it is no object")
+    return found
+
+
 class Asker:
     """Asks a running program, again and again, over one session.
 
@@ -140,7 +151,7 @@ class Asker:
         if self._connected.wait(meeting):
             for reply in self._session.get(self._key, payload=msgspec.json.encode(request), timeout=timeout):
                 if reply.ok is not None:
-                    found = msgspec.json.decode(reply.ok.payload.to_bytes())
+                    found = answer_in(reply.ok.payload.to_bytes())
         if found is None:
             raise InputError(nobody)
         if not found.get("ok"):

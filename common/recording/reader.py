@@ -209,7 +209,7 @@ def read_in_order(reader: RunReader, others: Collection[str] = ()) -> Iterator[T
             continue
         try:
             tick = decode(item.data)
-        except msgspec.MsgspecError:
+        except (msgspec.MsgspecError, ValueError):
             continue  # its number is missing, which is told of
         if tick.number > expected:
             left_out += tick.number - expected

@@ -62,6 +62,13 @@ class RunInfo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     git: str = ""
     first_tick: int = 0
 
+    @property
+    def kept(self) -> float | None:
+        """What the controller kept from obstacles, without the margin (m); None: the scenario does not say it."""
+        controller = self.scenario.get("controller")
+        found = controller.get("d_min") if isinstance(controller, dict) else None
+        return float(found) if isinstance(found, int | float) else None
+
 
 class TickRecord(msgspec.Struct, frozen=True, array_like=True):
     """One tick.

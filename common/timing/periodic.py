@@ -17,12 +17,17 @@ class Periodic:
 
     def due(self, now_ns: int) -> int:
         """Number of periods that have come due at `now_ns` (0: none); the first call starts the series."""
-        if self.next_ns is None:
-            self.next_ns = now_ns + self.period_ns
+        next_ns, period_ns = self.next_ns, self.period_ns
+        if next_ns is None:
+            self.next_ns = now_ns + period_ns
             return 1
-        if now_ns < self.next_ns:
+        late_ns = now_ns - next_ns
+        if late_ns < 0:
             return 0
-        periods = (now_ns - self.next_ns) // self.period_ns + 1
+        if late_ns < period_ns:  # every tick of a loop that keeps up
+            self.next_ns = next_ns + period_ns
+            return 1
+        periods = late_ns // period_ns + 1
         self.overruns += periods - 1
-        self.next_ns += periods * self.period_ns
+        self.next_ns = next_ns + periods * period_ns
         return periods

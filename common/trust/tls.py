@@ -58,6 +58,10 @@ class TlsFolder:
 
     def settings(self, place: str) -> list[tuple[str, object]]:
         """The (path, value) settings of a session of a place."""
+        return [*self.encryption(), ("access_control", access_control(self.own, self.accepted(place)))]
+
+    def encryption(self) -> list[tuple[str, object]]:
+        """Those of them by which each proves who it is; what may pass is not said: for keys that are not Farhand's."""
         certificate, key = str(self.path / "cert.pem"), str(self.path / "key.pem")
         tls = {
             "root_ca_certificate": str(self.path / "ca.pem"),
@@ -72,7 +76,6 @@ class TlsFolder:
         return [
             ("transport/link/protocols", ["tls"]),
             *((f"transport/link/tls/{name}", value) for name, value in tls.items()),
-            ("access_control", access_control(self.own, self.accepted(place))),
         ]
 
 

@@ -54,6 +54,13 @@ def ros2(
         list[str] | None,
         typer.Option(metavar="KEY=VALUE", help="What an axis or button does, e.g. --joy deadman=button4."),
     ] = None,
+    tls: Annotated[
+        str,
+        typer.Option(
+            metavar="DIR",
+            help="Certificate folder (`farhand certs`), for what of the endpoints is tls/HOST:PORT.",
+        ),
+    ] = "",
     speed: Annotated[float, typer.Option(min=0.1, max=100.0, help="Of a recording, times as fast.")] = 1.0,
     realtime: RealtimeOption = True,
 ) -> None:
@@ -77,6 +84,7 @@ def ros2(
         tool_frame=tool_frame,
         joy_topic=joy_topic,
         joy=dict(parse_setting(each) for each in joy or []),
+        tls=tls,
         run=run,
         speed=speed,
         realtime=realtime,

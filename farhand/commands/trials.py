@@ -93,3 +93,53 @@ def guard(
     folder = out if out is not None else Path("runs") / f"{local_timestamp()}-guard"
     trial = Trial(robots=named, share=share, speeds=fast, seed=seed, guarded=on)
     raise typer.Exit(run_trial(trial, folder, workers))
+
+
+@trial_app.command()
+def fuzz(
+    targets: Annotated[str, typer.Option(help="Some, with commas between them; empty: all.")] = "",
+    share: Annotated[
+        float, typer.Option(min=0.0001, max=1000.0, help="Of the inputs: 1 is 11.5 million in all.")
+    ] = 1.0,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Targets at the same time.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for corpus and findings; a campaign in it goes on.")
+    ] = None,
+) -> None:
+    """Coverage-guided fuzzing of every place where bytes come in, by atheris, at the lowest priority.
+
+    Exit code 0: no input broke a promise. 1: one did; it is kept. 2: bad input.
+    """
+    from farhand.trials.fuzz.campaign import Campaign, run_campaign
+    from farhand.trials.fuzz.registry import NAMES, check_name
+
+    named = tuple(word.strip() for word in targets.split(",") if word.strip()) or NAMES
+    for name in named:
+        check_name(name)
+    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-fuzz"
+    raise typer.Exit(run_campaign(Campaign(named, share, folder), workers))
+
+
+@trial_app.command()
+def errors(
+    names: Annotated[str, typer.Option("--errors", help="Some, with commas between them; empty: all.")] = "",
+    runs: Annotated[int, typer.Option(min=1, max=100_000, help="Of each.")] = 200,
+    seed: Annotated[int, typer.Option(min=0, help="Of networks, instants and the hostile client.")] = 1,
+    workers: Annotated[
+        int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
+    ] = 0,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the results; a trial in it goes on.")
+    ] = None,
+) -> None:
+    """The eight communication errors of IEC 61784-3, by the network and by a hostile client, in virtual time.
+
+    Exit code 0: nothing moved that no fresh command of the lawful operator explains. 1: something did. 2: bad input.
+    """
+    from farhand.laboratory.campaigns.pools import LocalPool
+    from farhand.trials.errors.errors import ERRORS
+    from farhand.trials.errors.run_errors import run_errors
+
+    named = tuple(word.strip() for word in names.split(",") if word.strip()) or tuple(ERRORS)
+    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-errors"
+    raise typer.Exit(run_errors(named, runs, seed, LocalPool(workers), folder))

@@ -74,9 +74,7 @@ class Body:
         self._pin.framesForwardKinematics(self._chain, self._data, np.array(state.joints))
         found: list[tuple[str, base.Vector3, base.Quaternion]] = []
         for index, name in self._links:
-            placement = self._data.oMf[index]
-            x, y, z, w = (float(value) for value in self._pin.Quaternion(placement.rotation).coeffs())
-            px, py, pz = (float(value) for value in placement.translation)
+            px, py, pz, x, y, z, w = self._pin.SE3ToXYZQUATtuple(self._data.oMf[index])
             found.append((name, (px, py, pz), (w, x, y, z)))
         return found
 

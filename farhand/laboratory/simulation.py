@@ -278,14 +278,15 @@ class _World:
         operator, tally = self._operator, self._tally
         since_ns = operator.driving_since_ns
         rtt_mean, rtt_std = operator.round_trip.overall()
+        response = operator.response  # an estimate that takes its time
         counted = msgspec.structs.replace(
             tally.counts(),
             duration=to_seconds(end_ns - since_ns) if since_ns is not None else 0.0,
             rtt_mean=rtt_mean,
             rtt_std=rtt_std,
             overruns=tally.last.overruns if tally.last is not None else 0,
-            lag=operator.response.lag,
-            acceleration=operator.response.acceleration,
+            lag=response.lag,
+            acceleration=response.acceleration,
         )
         return OperatorResult(
             **msgspec.structs.asdict(counted),

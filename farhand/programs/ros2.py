@@ -9,14 +9,15 @@ from pathlib import Path
 import zenoh
 
 from farhand.bridges.ros2.bridge import Bridge, Desk
-from farhand.bridges.ros2.desk import OperatorDesk, RobotDesk
-from farhand.bridges.ros2.node import RosNode
-from farhand.bridges.ros2.outward import Outward
-from farhand.bridges.ros2.playback import CLOCK, RunPlayback, kept_in
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.wire import SENSOR, check_namespace, node_name
+from farhand.bridges.ros2.outbound.outward import Outward
+from farhand.bridges.ros2.playback import CLOCK, RunPlayback
+from farhand.bridges.ros2.serving.desk import OperatorDesk, RobotDesk
 from farhand.bridges.ros2.settings import Ros2Options as Ros2Options
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import SENSOR, check_namespace, node_name
 from farhand.common.link.zenoh_link import ZenohLink, open_session
+from farhand.common.link.zenoh_threads import one_thread
 from farhand.common.messages.keys import (
     camera_key,
     check_robot_name,
@@ -26,23 +27,28 @@ from farhand.common.messages.keys import (
     scene_key,
     state_key,
 )
-from farhand.common.process.security import Access, local_only, secure
+from farhand.common.process.security import Access, local_only, secure, tool_place
 from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.recording.place import recording_at
 from farhand.common.recording.reader import read_run
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.loop import RealtimeLoop
+from farhand.common.trust.tls import TlsFolder
 from farhand.programs.sessions import random_session
 
 SWITCH_INTERVAL = 0.0005
 """How long the thread that draws may keep the loop's from running (s)."""
+SETTINGS = (
+    ("timestamping/enabled", True),
+    ("transport/link/tx/queue/congestion_control/drop/wait_before_drop", 0),
+)
+"""Of the session at the router: what latched topics want, and that the one thread waits for no reader."""
 
 
 def ros2_program(options: Ros2Options) -> int:
     """Run until it is told to end; returns 0. Raises InputError."""
     types = Types(options.distro)
-    secure(Access(connect=(options.router,)), lambda line: say("ros2", line))
     sys.setswitchinterval(SWITCH_INTERVAL)
     stop_event, clock = stop_event_on_signals(), SystemClock()
     with ExitStack() as closing:
@@ -65,13 +71,17 @@ def _bridge(
 ) -> None:
     """A running robot, until `stop_event` is set."""
     robot = check_robot_name(options.robot)
-    connect = _connect(options)
+    folder = _connected(options)
+    connect = options.connect
     wakes: list[Callable[[], None]] = []
     node = _node(robot, options, types, clock, closing, lambda: _wake(wakes))
-    session = open_session([connect])
-    link = ZenohLink(session, _keys(robot, options.side), clock, lambda: _wake(wakes))
+    session = open_session([connect], extra=folder.settings(tool_place(folder)) if folder else ())
+    # What arrives there wakes nobody: it waits for the next look, and states for nothing.
+    link = ZenohLink(session, _keys(robot, options.side), clock)
     closing.callback(link.close)
-    desk: Desk = OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect)
+    desk: Desk = (
+        OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect, options.tls_of(connect))
+    )
     bridge = Bridge(options, node, link, desk, clock, random_session, tell)
     states = _states(session, robot, options, bridge.outward, clock)
     closing.callback(states.undeclare)
@@ -101,7 +111,7 @@ def _play(
     """A recorded run to its end, or until `stop_event` is set."""
     found = read_run(recording_at(run))
     node = _node(check_robot_name(found.info.robot), options, types, clock, closing, lambda: None)
-    outward = Outward(node, found.info.robot, found.info.epoch_ns, lambda: kept_in(found.info))
+    outward = Outward(node, found.info.robot, found.info.epoch_ns, lambda: found.info.kept)
     closing.callback(outward.close)
     ticking = node.publisher("/clock", CLOCK, SENSOR)
     playback = RunPlayback(iter(found.ticks), found.info, outward, ticking, types, options.speed)
@@ -119,7 +129,13 @@ def _node(
     wake: Callable[[], None],
 ) -> RosNode:
     """The node at its router, until `closing`; raises InputError where there is no router."""
-    ros = open_session([options.router], mode="client", extra=[("timestamping/enabled", True)])
+    folder = _secured(options.router, options)
+    if folder is not None:
+        closing.callback(folder.watch_ends(lambda line: say("ros2", line)).close)
+    one_thread()
+    # Whose keys pass there is the router's to say: access control as Farhand's own links have it knows no ROS.
+    extra = [*SETTINGS, *(folder.encryption() if folder else ())]
+    ros = open_session([options.router], mode="client", extra=extra)
     closing.callback(ros.close)
     name, namespace = node_name(robot), check_namespace(options.namespace)
     return RosNode(ros, types, clock, domain=options.domain, namespace=namespace, name=name, wake=wake)
@@ -147,12 +163,16 @@ def _wake(wakes: Sequence[Callable[[], None]]) -> None:
         wake()
 
 
-def _connect(options: Ros2Options) -> str:
-    """Where the robot is heard: an operator's reports never leave its host, a robot may be another one's."""
+def _connected(options: Ros2Options) -> TlsFolder | None:
+    """The certificate folder for where the robot is heard: an operator's reports never leave its host."""
     if options.steers:
-        return local_only(options.connect, "--connect")
-    secure(Access(connect=(options.connect,)), lambda line: say("ros2", line))
-    return options.connect
+        local_only(options.connect, "--connect")
+    return _secured(options.connect, options)
+
+
+def _secured(endpoint: str, options: Ros2Options) -> TlsFolder | None:
+    access = Access(connect=(endpoint,), tls=options.tls_of(endpoint))
+    return secure(access, lambda line: say("ros2", line))
 
 
 def _keys(robot: str, side: str) -> list[str]:

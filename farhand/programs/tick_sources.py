@@ -65,7 +65,7 @@ def _ask(session: zenoh.Session, key: str, wanted: object, kind: type[B]) -> B |
             continue
         try:
             return msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=kind)
-        except msgspec.MsgspecError as error:
+        except (msgspec.MsgspecError, ValueError) as error:
             raise RunFileError(
                 f"an answer for {key} cannot be read: {error}; is it another version?"
             ) from None

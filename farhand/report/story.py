@@ -240,7 +240,7 @@ class _Reading:
     def _take_fate(self, data: bytes) -> None:
         try:
             self._story.network.add(self._fate(data))
-        except msgspec.MsgspecError:
+        except (msgspec.MsgspecError, ValueError):
             self._story.network.unread += 1
 
     def _keep(self, happening: Happening) -> None:

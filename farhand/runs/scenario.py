@@ -129,9 +129,13 @@ def scenario_from_table(table: dict[str, Any], where: str, folder: Path = Path()
 
 def _told(where: str, said: str) -> str:
     """One line that names the key once: where one setting alone is replaced, it is in `where` already."""
+    said = " ".join(said.split())  # a key may hold a line feed
     setting, place = where.removeprefix("setting "), said.partition(": ")[0]
     if setting != where and "," not in setting and f"{setting}.".startswith(f"{place}."):
         said = said.removeprefix(f"{place}: ")
+    said = "".join(
+        c if c.isprintable() else repr(c)[1:-1] for c in said
+    )  # a key may hold whatever TOML lets it
     return f"scenario {where}: {said}"
 
 

@@ -74,7 +74,7 @@ class Clearing:
         """Take the answer of an operator's program."""
         try:
             found = msgspec.json.decode(answer, type=dict[str, str | bool])
-        except (msgspec.MsgspecError, ValueError):
+        except (msgspec.MsgspecError, ValueError, RecursionError):
             return
         with self._lock:
             if found.get("ok"):

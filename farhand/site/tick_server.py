@@ -47,7 +47,7 @@ class TickServer:
         """The batch that a request asks for; None: it is none."""
         try:
             wanted = msgspec.json.decode(payload, type=TicksWanted)
-        except msgspec.MsgspecError:
+        except (msgspec.MsgspecError, ValueError, RecursionError):
             return None
         self._asked = True
         if wanted.written is not None and wanted.written > self._written:

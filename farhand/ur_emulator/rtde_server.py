@@ -1,5 +1,6 @@
 """The controller's end of RTDE connections."""
 
+import math
 import struct
 from collections.abc import Callable
 
@@ -98,6 +99,8 @@ class RtdeHandler(Handler):
 
     def _set_outputs(self, payload: bytes) -> bytes:
         (frequency,) = struct.unpack_from(">d", payload)
+        if not math.isfinite(frequency):
+            raise BrokenStreamError("a frequency that is not finite")
         names = _names(payload[8:])
         found = [output_of(name) for name in names]
         types = [NOT_FOUND if each is None else each[0] for each in found]

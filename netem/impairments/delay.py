@@ -16,6 +16,7 @@ from farhand.netem.recordings.playback import DelaySampler
 from farhand.netem.words.reader import SpecReader, milliseconds_text, percent_text
 
 _SQRT_HALF = math.sqrt(0.5)
+_BLOCK = 64
 
 
 class DelayWord(Word, frozen=True):
@@ -63,23 +64,38 @@ class Delay(Impairment):
         transit.release_ns += transit.delay_ns
 
 
+class Normals:
+    """Standard normal numbers, the same as one by one from `rng`, which nobody else may draw from; drawn in blocks,
+    as a single one takes longer than all the rest of a delay."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._drawn: list[float] = []
+
+    def draw(self) -> float:
+        """The next number."""
+        if not self._drawn:
+            self._drawn = np.flip(self._rng.standard_normal(size=_BLOCK)).tolist()
+        return self._drawn.pop()
+
+
 class CorrelatedNormal:
     """Standard normal numbers, each correlated with the one before.
 
     Args:
-        rng: source of the innovations.
+        source: of the innovations; a generator serves this one alone.
         correlation: of neighbours, 0 <= rho < 1.
     """
 
-    def __init__(self, rng: np.random.Generator, correlation: float) -> None:
-        self._normal = rng.standard_normal
+    def __init__(self, source: "np.random.Generator | Normals", correlation: float) -> None:
+        self._normal = (source if isinstance(source, Normals) else Normals(source)).draw
         self._rho = correlation
         self._scale = math.sqrt(1 - correlation * correlation)
         self._z: float | None = None
 
     def draw(self) -> float:
         """The next number."""
-        innovation = float(self._normal())
+        innovation = self._normal()
         if self._rho == 0.0 or self._z is None:
             self._z = innovation
         else:

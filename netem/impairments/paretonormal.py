@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from farhand.common.timing.clock import to_seconds
 from farhand.netem.impairments.base import ImpairmentContext
-from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, upper_tail
+from farhand.netem.impairments.delay import CorrelatedNormal, MeanSdWord, Normals, upper_tail
 from farhand.netem.impairments.pareto import standard_pareto
 from farhand.netem.recordings.playback import DelaySampler
 
@@ -28,9 +28,9 @@ class ParetoNormal(MeanSdWord, frozen=True):
 
     def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """Delays of the sum."""
-        rng = context.rng("delay")
+        normals = Normals(context.rng("delay"))
         return _ParetoNormalSampler(
-            self, CorrelatedNormal(rng, self.correlation), CorrelatedNormal(rng, self.correlation)
+            self, CorrelatedNormal(normals, self.correlation), CorrelatedNormal(normals, self.correlation)
         )
 
 

@@ -128,7 +128,7 @@ def _read(file: Path, path: str, _changed_ns: int) -> Fates:
                 counted += 1
                 rows[fate.direction, fate.key].setdefault(fate.number, []).append(fate)
                 last_ns = max(last_ns, fate.arrived_ns)
-    except msgspec.MsgspecError as error:
+    except (msgspec.MsgspecError, ValueError) as error:
         raise RunFileError(f"recorded:{path}: the network in it cannot be read: {error}") from None
     if not rows:
         raise RunFileError(

@@ -4,6 +4,7 @@ The options are those of `load_trace` and `Trace.replayed`: unit, column, period
 decimal, lost, sort (yes or no), at_end, share.
 """
 
+import multiprocessing
 import os
 import sys
 from functools import lru_cache
@@ -72,7 +73,7 @@ def open_trace(path: str, options: Options) -> Trace:
 def prepare_trace(path: str, options: Options) -> None:
     """Read the file, and say aloud, once, what of it was assumed or left out; raises TraceError."""
     notes = tuple(open_trace(path, options).reading.notes)
-    if notes:
+    if notes and multiprocessing.parent_process() is None:  # a worker's parent has said it
         _say_aloud(path, notes)
 
 

@@ -113,5 +113,8 @@ def read_said(payload: bytes) -> Said:
     try:
         said: Said = _decoder.decode(payload)
     except (msgspec.DecodeError, ValueError, RecursionError, OverflowError) as error:
-        raise SaidError(f"no message of a page: {error}") from None
+        said_badly = repr(str(error)[:200])[
+            1:-1
+        ]  # it holds names out of the message itself, which may be any letters
+        raise SaidError(f"no message of a page: {said_badly}") from None
     return said

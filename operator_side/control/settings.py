@@ -9,7 +9,8 @@ from farhand.common.scenario.section import Fraction, KindSection
 
 
 class ControllerSettings(KindSection, frozen=True, kw_only=True):
-    """The safety filter; defaults are the paper's (arXiv 2403.18650).
+    """The safety filter; defaults are the paper's (arXiv 2403.18650) but for `r`, which is 1 there: with that the plan
+    gives up r / (q + r), a tenth of every wish, where nothing is near.
 
     Attributes:
         kind: which controller.
@@ -31,7 +32,7 @@ class ControllerSettings(KindSection, frozen=True, kw_only=True):
     horizon: Annotated[int, Meta(ge=1, le=100)] = 10
     period: Annotated[float, Meta(ge=0.002, le=1)] = 0.1
     q: NonNegative = 10.0
-    r: Positive = 1.0
+    r: Positive = 0.1
     p: Positive = 10.0
     s: NonNegative = 10.0
     p_omega: Positive = 100.0

@@ -140,7 +140,7 @@ def _is_calm(start: Vector3, end: Vector3, pieces: Pieces) -> bool:
 
 def _squared_errors(start: Vector3, end: Vector3, pieces: Pieces) -> Array:
     """(lags, accelerations) squared distance between the predicted and the reported velocity (m^2/s^2)."""
-    velocity = np.broadcast_to(np.array(start), (*_SOFT.shape, 3))
+    velocity: Array = np.array(start).reshape(1, 1, 3)  # the same for all candidates, up to the first piece
     for wanted, duration in pieces:
         away = velocity - np.array(wanted)
         gap = np.sqrt(np.einsum("abk,abk->ab", away, away))

@@ -107,6 +107,38 @@ def bare_text(text: str) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
+def massive_text(text: str) -> str:
+    """The same URDF without the links at its ends that have neither mass nor shape: frames, of which physics knows
+    nothing, and which cost it as much as any other link in every step."""
+    root = ET.fromstring(text)
+    links = {link.get("name", ""): link for link in root.findall("link")}
+    while True:
+        parents = {_linked(joint, "parent") for joint in root.findall("joint")}
+        bare = [
+            joint
+            for joint in root.findall("joint")
+            if joint.get("type") == "fixed"
+            and (child := _linked(joint, "child")) not in parents
+            and _is_frame(links[child])
+        ]
+        if not bare:
+            return ET.tostring(root, encoding="unicode")
+        for joint in bare:
+            root.remove(joint)
+            root.remove(links[_linked(joint, "child")])
+
+
+def _linked(joint: ET.Element, end: str) -> str:
+    found = joint.find(end)
+    return "" if found is None else found.get("link", "")
+
+
+def _is_frame(link: ET.Element) -> bool:
+    mass = link.find("inertial/mass")
+    weighs = mass is not None and float(mass.get("value", "0")) != 0.0
+    return not weighs and link.find("collision") is None
+
+
 def _checked_root(path: Path, tool_frame: str) -> ET.Element:
     """The robot, all of whose joints have their links; raises InputError."""
     where = f"URDF {path}"

@@ -11,12 +11,12 @@ from farhand.common.geometry import Array
 from farhand.robot_side.arm.kinematics import ToolKinematics, rotation_error
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.kernel.qp import SOLVED
+from farhand.robot_side.kernel.rotation import turn_wanted
+from farhand.robot_side.kernel.singularity import damping_of
 from farhand.robot_side.kernel.velocity import (
     LEAST_SPEED_WEIGHT,
     ORIENTATION_GAIN,
-    damping_of,
     tick,
-    turn_wanted,
 )
 
 _NO_TURN: Array = np.zeros(3)

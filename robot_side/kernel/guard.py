@@ -9,7 +9,8 @@ Arrays:
     A, B: (c, 3) the capsules' ends in base. R, p: (n, 3, 3), (n, 3) the joints' frames in base.
     rows, vertices: the table of obstacles.
     rows_out, b_out: (capacity, n), (capacity,): rows_out q' >= b_out.
-    facts: (capacity, 4): distance, capsule, obstacle or -1 - pair, speed of approach that was asked to be less (m/s).
+    facts: (capacity, 5): distance, capsule, obstacle or -1 - pair, speed of approach that was asked to be less (m/s),
+        speed of approach of the obstacle itself (m/s).
     watched: (capacity_w, 5): capsule, obstacle or -1 - pair, t0, t1 of the capsule's part, distance now.
     par: the constants named below.
 """
@@ -19,19 +20,19 @@ Arrays:
 
 import numpy as np
 
-from farhand.robot_side.kernel.body import DT, STOP_SHARE
+from farhand.robot_side.kernel.body import DT, KEEP, REACTION, STOP_SHARE
 from farhand.robot_side.kernel.chain import forward
 from farhand.robot_side.kernel.distance import NOTHING
 from farhand.robot_side.kernel.jit import compiled
 from farhand.robot_side.kernel.qp import BAD_INPUT, SOLVED, solve, yielding
+from farhand.robot_side.kernel.rotation import turn_wanted
 from farhand.robot_side.kernel.rows import find_rows
-from farhand.robot_side.kernel.stopping import can_stop, together
+from farhand.robot_side.kernel.stopping import can_stop, stop_angle, together
 from farhand.robot_side.kernel.velocity import (
     MAX_ACCELERATION,
     YIELDED,
     brake,
     joint_box,
-    turn_wanted,
     velocity,
 )
 
@@ -40,6 +41,7 @@ NOTHING_DONE, ROWS_BOUND, HALVED, BRAKING_NOW, PINCHED, BAD = range(6)
 # report: what, capsule, other, distance, least distance of all, its capsule, its other, rows
 WHAT, PART, OTHER, DISTANCE, NEAREST, NEAR_PART, NEAR_OTHER, ROWS = range(8)
 REPORT = 8
+FACTS = 5
 TIGHT = 1e-6
 """m/s: a row that is kept by less than this has changed the answer."""
 
@@ -71,6 +73,18 @@ def tightest(rows_out, b_out, facts, count, qd):
         if over < TIGHT and facts[j, 0] < best:
             best, at = facts[j, 0], j
     return at
+
+
+@compiled
+def leave_for_later(b_out, facts, count, keep, soon):
+    """Take movers that a link which stood would not have at `keep` (m) within `soon` (s) for such that stand.
+
+    Fleeing from them would keep up the very speed that cannot be stopped before something else.
+    """
+    for j in range(count):
+        chased = facts[j, 4]
+        if chased > 0.0 and facts[j, 0] - keep > chased * soon:
+            b_out[j] -= chased
 
 
 @compiled
@@ -144,6 +158,8 @@ def guarded_tick(
             # Braking must not cost the rows: the way to a stop may lead nearer than they allow. All that the joints
             # may be able to do is asked of them now.
             joint_box(limits, q, previous, par[DT], low, high)
+            soon = stop_angle(previous, acceleration, par[STOP_SHARE], par[REACTION])
+            leave_for_later(b_out, facts, count, par[KEEP], soon)
             given_velocity(stop, low, high, rows_out, b_out, count, qd)
     if by_law and share > 0.0:
         part_of_w = np.empty(3)

@@ -105,8 +105,11 @@ def far_off(closing, fastest, weakest, par):
 
 
 @compiled
-def take_row(row, bound, low, high, fact0, fact1, fact2, rows_out, b_out, facts, count):
-    """Keep a row that some velocity in the box breaks; where there are too many, those that are broken most."""
+def take_row(row, bound, low, high, fact0, fact1, fact2, chased, rows_out, b_out, facts, count):
+    """Keep a row that some velocity in the box breaks; where there are too many, those that are broken most.
+
+    `chased`: what of the bound is owed to the obstacle's own motion (m/s).
+    """
     n = row.shape[0]
     least, most = 0.0, 0.0
     for i in range(n):
@@ -129,6 +132,7 @@ def take_row(row, bound, low, high, fact0, fact1, fact2, rows_out, b_out, facts,
     for i in range(n):
         rows_out[at, i] = row[i]
     facts[at, 0], facts[at, 1], facts[at, 2], facts[at, 3] = fact0, fact1, fact2, bound - least
+    facts[at, 4] = chased
     return count
 
 
@@ -232,10 +236,13 @@ def find_rows(
                 bound = bound_of(x, along, speed, moves, par)
                 if lever < SHORT_LEVER and not moves:
                     bound = min(bound, 0.0)  # hardly movable: nothing is gained by pushing
+                chased = 0.0
                 if moves:
-                    bound += nx * rows[j, VELOCITY] + ny * rows[j, VELOCITY + 1] + nz * rows[j, VELOCITY + 2]
-                    bound += rows[j, ACCELERATION] * par[ANSWER]
-                count = take_row(row, bound, low, high, d, i, j, rows_out, b_out, facts, count)
+                    chased = nx * rows[j, VELOCITY] + ny * rows[j, VELOCITY + 1] + nz * rows[j, VELOCITY + 2]
+                    chased += rows[j, ACCELERATION] * par[ANSWER]
+                count = take_row(
+                    row, bound + chased, low, high, d, i, j, chased, rows_out, b_out, facts, count
+                )
                 if d - way < par[CHECK]:
                     watching = watch(watched, watching, i, j, t0, t1, d)
     weakest, farthest = NOTHING, 0.0  # rad/s^2, of any joint; rad/s, off what it was told
@@ -283,5 +290,5 @@ def find_rows(
             along += abs(row[m]) * acceleration[m]
         x = d - par[KEEP] + slack[k] - overrun(row, previous, actual, along, par)
         bound = bound_of(x, along, speed, False, par)
-        count = take_row(row, bound, low, high, d, i, -1 - k, rows_out, b_out, facts, count)
+        count = take_row(row, bound, low, high, d, i, -1 - k, 0.0, rows_out, b_out, facts, count)
     return count, watching, nearest, near_capsule, near_other

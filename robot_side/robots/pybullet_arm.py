@@ -15,6 +15,7 @@ from farhand.common.quantities import Vector3
 from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
+from farhand.robot_side.arm.urdf import massive_text
 from farhand.robot_side.kernel.body import moved_at_most
 from farhand.robot_side.robots.arm_follower import ArmFollower, controls
 from farhand.robot_side.robots.arms import chosen_arm
@@ -107,7 +108,7 @@ class ArmWorld:
         flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_SELF_COLLISION
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "arm.urdf"
-            path.write_text(self.arm.urdf, encoding="utf-8")
+            path.write_text(massive_text(self.arm.urdf), encoding="utf-8")
             self.body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
         self.link_indices: dict[str, int] = {}
         joints: dict[str, int] = {}

@@ -209,7 +209,7 @@ class RtdeClient:
 
     def _on_outputs(self, payload: bytes, now_ns: int) -> None:
         types = payload[1:].decode().split(",")
-        if len(types) != len(self._names):
+        if not payload or len(types) != len(self._names):
             raise BrokenStreamError("its answer to the outputs is none")
         missing = {name for name, kind in zip(self._names, types, strict=True) if kind == NOT_FOUND}
         if missing - set(self._wanted.optional):
@@ -226,6 +226,8 @@ class RtdeClient:
 
     def _on_inputs(self, payload: bytes, now_ns: int) -> None:
         types = payload[1:].decode().split(",")
+        if not payload:
+            raise BrokenStreamError("its answer to the inputs is none")
         if IN_USE in types:
             raise BrokenStreamError(
                 "another client is in control: it owns the input registers that Farhand needs"

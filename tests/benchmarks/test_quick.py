@@ -7,8 +7,10 @@ import sys
 import pytest
 
 from benchmarks.__main__ import NAMES
+from tests.examples import also
 
 WITH_PROCESSES = ("netem", "ros2", "seat")
+SLOW = ("recording", "report", "solver")
 
 
 def _run(name, folder, monkeypatch):
@@ -18,7 +20,13 @@ def _run(name, folder, monkeypatch):
     assert json.loads(file.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("name", [*(name for name in NAMES if name not in WITH_PROCESSES), "solver_oracle"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(also(name) if name in SLOW else name for name in NAMES if name not in WITH_PROCESSES),
+        "solver_oracle",
+    ],
+)
 def test_a_benchmark_runs(name, tmp_path, monkeypatch):
     _run(name, tmp_path, monkeypatch)
 

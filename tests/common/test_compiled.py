@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from farhand.common.compiled import NOTICE, Compiler
+from tests.examples import also
 
 INNER = "from tests_kernel.jit import compiled\n@compiled\ndef inner(x):\n    return x + {add}\n"
 OUTER = (
@@ -47,6 +48,7 @@ def ask(folder, **environment):
     return float(answer[0]), int(answer[1]), answer[2]
 
 
+@pytest.mark.long
 def test_a_change_in_another_file_of_the_kernel_is_seen(tmp_path):
     kernel = write(tmp_path, 1.0)
     first = ask(tmp_path)
@@ -107,7 +109,7 @@ def test_two_installs_do_not_remove_each_others_code(source, tmp_path, monkeypat
     assert second.is_dir()
 
 
-@pytest.mark.parametrize("size", [0, 1])
+@pytest.mark.parametrize("size", [0, also(1)])
 def test_a_disk_without_space_costs_the_cache_alone(tmp_path, size):
     """As far as a program sees it: no file may be larger, in KiB; compiled code is."""
     write(tmp_path, 1.0)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 import tomli_w
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from farhand.common.errors import ScenarioError
@@ -39,13 +39,13 @@ def test_built_in_scenarios_load_and_survive_toml(name):
     assert parse_scenario(tomli_w.dumps(table), "again") == scenario
 
 
-def test_a_file_loads_and_defaults_are_the_papers(tmp_path):
+def test_a_file_loads_and_defaults_are_the_papers_but_for_effort(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(GOOD)
     scenario = load_scenario(str(path))
     assert scenario.obstacles == (Obstacle("ball", (0.5, 0.0, 0.0), 0.1),)
     c = scenario.controller
-    assert (c.horizon, c.period, c.q, c.r, c.p, c.s, c.p_omega) == (10, 0.1, 10, 1, 10, 10, 100)
+    assert (c.horizon, c.period, c.q, c.r, c.p, c.s, c.p_omega) == (10, 0.1, 10, 0.1, 10, 10, 100)
     assert scenario.predictor == "timeline"
     assert replace_setting(scenario, "margin.kind", "paper").predictor == "history"
     assert replace_setting(scenario, "operator.predictor", "echo").predictor == "echo"
@@ -181,6 +181,7 @@ SECTIONS = ["name", "start", "targets", "obstacles", "robot", "safety", "control
 
 
 @given(st.sampled_from(SECTIONS), values)
+@example("robot", {"\n": {}})
 def test_any_value_for_a_key_is_taken_or_a_scenario_error(key, value):
     table = scenario_to_table(parse_scenario(GOOD, "x")) | {key: value}
     try:

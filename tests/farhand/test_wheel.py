@@ -68,6 +68,7 @@ def test_a_package_of_the_users_own_called_common_stays_the_users(installed, tmp
     assert "1 passed" in done.stdout
 
 
+@pytest.mark.long
 @pytest.mark.realtime
 def test_the_demo_in_an_empty_folder(installed, tmp_path):
     task = short_task(tmp_path)

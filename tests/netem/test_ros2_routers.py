@@ -5,9 +5,9 @@ import threading
 
 import pytest
 
-from farhand.bridges.ros2.node import RosNode
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import LATCHED, RELIABLE, read_attachment
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.wire import LATCHED, RELIABLE, read_attachment
 from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import open_session
 from farhand.common.timing.clock import SystemClock, to_ns

@@ -4,15 +4,15 @@ from collections.abc import Callable
 from typing import Protocol
 
 from farhand.bridges.ros2.bridge_node import BridgeNode, Device
-from farhand.bridges.ros2.inbound import JOY, TWIST, Reader, Refusals, TwistFrames
-from farhand.bridges.ros2.node import RosNode
-from farhand.bridges.ros2.outward import Outward
-from farhand.bridges.ros2.parameters import Parameters, Value
-from farhand.bridges.ros2.services import Services
+from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.wire import SENSOR
+from farhand.bridges.ros2.inbound.devices import JoyDevice, TwistDevice
+from farhand.bridges.ros2.inbound.reading import JOY, TWIST, Reader, Refusals, TwistFrames
+from farhand.bridges.ros2.inbound.twist_hand import SILENCE_NS, TwistHand
+from farhand.bridges.ros2.outbound.outward import Outward
+from farhand.bridges.ros2.serving.parameters import Parameters, Value
+from farhand.bridges.ros2.serving.services import Services
 from farhand.bridges.ros2.settings import UNITS, Ros2Options
-from farhand.bridges.ros2.steering import JoyDevice, TwistDevice
-from farhand.bridges.ros2.twist_hand import SILENCE_NS, TwistHand
-from farhand.bridges.ros2.wire import SENSOR
 from farhand.common.link.link import Link
 from farhand.common.timing.clock import SystemClock
 from farhand.operator_side.steering.hand.sender import SteeringSender

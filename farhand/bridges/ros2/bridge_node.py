@@ -3,19 +3,18 @@
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from farhand.bridges.ros2.inbound.twist_hand import SILENCE_NS
 from farhand.common.link.link import Link, Packet
 from farhand.common.messages.keys import kind_of
 from farhand.common.messages.steering import Steering, unsent
-from farhand.common.timing.clock import to_ns
-from farhand.common.timing.periodic import Periodic
 from farhand.operator_side.devices.device_node import REFUSED
 from farhand.operator_side.devices.hand import Obstacles
 from farhand.operator_side.devices.hearing import Hearing
 from farhand.operator_side.steering.hand.sender import SteeringSender
 
-PERIOD = 0.01
-LEAST_NS = 5_000_000
-"""What was said at a message's arrival is not said again by the clock so soon."""
+HELD_NS, IDLE_NS, EARLY_NS = 12_000_000, 20_000_000, 3_000_000
+"""What drives is said again so soon, what does not is looked at, or a little earlier where the loop is awake anyway."""
+NEVER_NS = 1 << 62
 
 
 class Device(Protocol):
@@ -46,7 +45,7 @@ class _Seat:
     def __init__(self, device: Device, sender: SteeringSender) -> None:
         self.device, self.sender = device, sender
         self.pressed_ns: int | None = None
-        self.sent_ns = -(1 << 62)
+        self.due_ns, self.silent_ns = 0, NEVER_NS
         self.engaged, self.says = False, ""
 
 
@@ -68,7 +67,6 @@ class BridgeNode:
         self.hearing = Hearing()
         self._link, self._hand_on = link, hand_on
         self._seats = [_Seat(device, sender) for device, sender in seats]
-        self._ticks = Periodic(to_ns(PERIOD))
 
     def step(self, now_ns: int) -> int | None:
         """Hear, hand on, send; see Node."""
@@ -76,17 +74,23 @@ class BridgeNode:
             if kind_of(packet.key) == "report":
                 self.hearing.take(packet)
             self._hand_on(packet, now_ns)
-        due = self._ticks.due(now_ns)
-        for seat in self._seats:
-            if seat.device.hear(now_ns) or (due and now_ns - seat.sent_ns >= LEAST_NS):
-                seat.sent_ns = now_ns
-                self._send(seat, now_ns)
-        return self._ticks.next_ns
+        return min((self._look(seat, now_ns) for seat in self._seats), default=now_ns + IDLE_NS)
 
     def leave(self, now_ns: int) -> None:
         """Give the wheel up; the last message of a session."""
         for seat in self._seats:
             seat.sender.send(unsent(release=True), now_ns, drives=False)
+
+    def _look(self, seat: _Seat, now_ns: int) -> int:
+        """Take what has come for a seat, and send what it wants; returns when to look again."""
+        if seat.device.hear(now_ns):
+            seat.silent_ns = now_ns + SILENCE_NS + 1
+            seat.due_ns = now_ns
+        if now_ns + EARLY_NS >= seat.due_ns or now_ns >= seat.silent_ns:
+            self._send(seat, now_ns)
+            seat.due_ns = now_ns + (HELD_NS if seat.engaged else IDLE_NS)
+            seat.silent_ns = seat.silent_ns if now_ns < seat.silent_ns else NEVER_NS
+        return min(seat.due_ns, seat.silent_ns)
 
     def _send(self, seat: _Seat, now_ns: int) -> None:
         obstacles = self.hearing.obstacles(now_ns)

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from farhand.bridges.ros2.node import Publisher
-from farhand.bridges.ros2.outward import Outward
-from farhand.bridges.ros2.types import Types
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import Publisher
+from farhand.bridges.ros2.outbound.outward import Outward
 from farhand.common.link.link import Packet
 from farhand.common.messages.keys import mirror_key, report_key
 from farhand.common.recording.records import RunInfo, TickRecord
@@ -61,10 +61,3 @@ class RunPlayback:
             )
         self._outward.hand_on(Packet(report_key(self._robot), tick.report, tick.now_ns), tick.now_ns)
         self._outward.look(tick.now_ns)
-
-
-def kept_in(info: RunInfo) -> float | None:
-    """The distance that a run's controller kept, without the margin (m); None: it is not said."""
-    controller = info.scenario.get("controller")
-    found = controller.get("d_min") if isinstance(controller, dict) else None
-    return float(found) if isinstance(found, int | float) else None

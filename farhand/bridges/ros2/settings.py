@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from farhand.bridges.ros2.joy import JoySettings
-from farhand.bridges.ros2.wire import MAX_DOMAIN, check_namespace
+from farhand.bridges.ros2.graph.wire import MAX_DOMAIN, check_namespace
+from farhand.bridges.ros2.inbound.joy import JoySettings
 from farhand.common.errors import InputError
 from farhand.common.messages.steering import Unit
 from farhand.common.scenario.section import checked_settings
@@ -29,6 +29,7 @@ class Ros2Options:
         base_frame, tool_frame: what twists call the two.
         joy_topic: of the joystick.
         joy: what its axes and buttons do, where it is not the default.
+        tls: certificate folder, for what of the two endpoints is `tls/`; empty: none.
         run: a recording that is told again; None: a running operator.
         speed: of that, times as fast as it was.
         realtime: ask for SCHED_FIFO.
@@ -49,6 +50,7 @@ class Ros2Options:
     tool_frame: str = "tool"
     joy_topic: str = "/joy"
     joy: Mapping[str, object] = field(default_factory=dict)
+    tls: str = ""
     run: Path | None = None
     speed: float = 1.0
     realtime: bool = True
@@ -62,6 +64,8 @@ class Ros2Options:
             raise InputError(f"--domain {self.domain}: must be 0 to {MAX_DOMAIN}")
         if self.base_frame == self.tool_frame:
             raise InputError(f"--tool-frame {self.tool_frame!r}: is the base frame's name as well")
+        if self.tls and not (self.router.startswith("tls/") or self.connect.startswith("tls/")):
+            raise InputError(f"--tls {self.tls}: no endpoint is secured; expected --router tls/HOST:PORT")
         check_namespace(self.namespace)
         check_namespace(self.joy_topic, "--joy-topic")
         _ = self.joy_settings
@@ -70,6 +74,10 @@ class Ros2Options:
     def steers(self) -> bool:
         """Whether what comes from ROS may move anything."""
         return self.side == "operator"
+
+    def tls_of(self, endpoint: str) -> str:
+        """The certificate folder for an endpoint; empty: it is not secured."""
+        return self.tls if endpoint.startswith("tls/") else ""
 
     @property
     def joy_settings(self) -> JoySettings:

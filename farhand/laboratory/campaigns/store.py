@@ -163,7 +163,7 @@ class Store(Generic[R]):
         for line in path.read_bytes().splitlines(keepends=True):
             try:
                 row = msgspec.json.decode(line, type=self._kind)
-            except msgspec.MsgspecError:
+            except (msgspec.MsgspecError, ValueError):
                 break
             if not line.endswith(b"\n"):
                 break

@@ -34,13 +34,22 @@ LEG = 1.0
 BOX_SIZE = (0.25, 0.25, 0.1)
 BOX_RADIUS = math.hypot(*BOX_SIZE) / 2
 LAG = 0.1
+PAPERS_EFFORT, OWN_EFFORT = 1.0, ControllerSettings().r
+"""Weights R of effort: the paper's, and what Farhand takes where nothing is said."""
 TRIES = 2000
 
 BoxKind = Literal["point", "box"]
 """`point`: kinematic, first-order lag; `box`: rigid body in PyBullet."""
 
 
-def make_task(seed: int, index: int, robot: BoxKind = "point", margin: str = "adaptive") -> Scenario:
+def make_task(
+    seed: int,
+    index: int,
+    robot: BoxKind = "point",
+    margin: str = "adaptive",
+    *,
+    effort: float = PAPERS_EFFORT,
+) -> Scenario:
     """Task `index` of a campaign, with the paper's settings.
 
     Args:
@@ -48,6 +57,7 @@ def make_task(seed: int, index: int, robot: BoxKind = "point", margin: str = "ad
         index: of the task.
         robot: which model of the box.
         margin: margin law; it has no influence on the task itself.
+        effort: weight R.
     """
     draw = stream(seed, "task", str(index))
     while True:
@@ -65,7 +75,7 @@ def make_task(seed: int, index: int, robot: BoxKind = "point", margin: str = "ad
         obstacles=tuple(obstacles),
         robot=box_settings(robot),
         guard=GuardSettings(on=False),  # what is measured is the operator's side, as the paper has it
-        controller=ControllerSettings(speed_limit=(0.5, 0.5, 0.5)),
+        controller=ControllerSettings(r=effort, speed_limit=(0.5, 0.5, 0.5)),
         margin=MarginSettings(kind=margin, own={"paper": {"max_speed": 0.87}}),
     )
 

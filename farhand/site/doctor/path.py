@@ -87,6 +87,6 @@ def decoded_facts(payload: bytes) -> dict[str, Any] | None:
     """The answer to an `about` question; None if it is none."""
     try:
         found = json.loads(payload)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None

@@ -6,6 +6,7 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
+from farhand.laboratory.campaigns.tasks import PAPERS_EFFORT
 from farhand.runs.scenario import Scenario
 from farhand.trials.leaderboard.method import Method
 
@@ -25,11 +26,12 @@ class Nothing(Method):
 
 
 class Paper(Method):
-    """MPC-CBF, the margin by round trip, the prediction by the commands sent during one."""
+    """MPC-CBF with the paper's weights, the margin by round trip, the prediction by the commands sent during one."""
 
     says = "MPC-CBF with the paper's margin and prediction"
     source = "arXiv 2403.18650"
     settings: ClassVar[Mapping[str, object]] = {
+        "controller.r": PAPERS_EFFORT,
         "margin.kind": "paper",
         "operator.predictor": "history",
         "guard.on": False,
@@ -72,6 +74,7 @@ class DistanceMpc(Method):
     settings: ClassVar[Mapping[str, object]] = {
         **_PAPERS_STATE,
         "controller.kind": "mpc-distance",
+        "controller.r": PAPERS_EFFORT,
         "guard.on": False,
     }
 

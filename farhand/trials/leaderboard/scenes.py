@@ -19,7 +19,7 @@ from farhand.common.shapes.distance import distance_to
 from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.sphere import Sphere
-from farhand.laboratory.campaigns.tasks import BOX_RADIUS, box_settings, make_task
+from farhand.laboratory.campaigns.tasks import BOX_RADIUS, OWN_EFFORT, box_settings, make_task
 from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.settings import MarginSettings
 from farhand.runs.scenario import Scenario, load_scenario
@@ -50,7 +50,7 @@ class Scene:
 
 
 def _static(rng: Generator) -> Scenario | None:
-    task = make_task(int(rng.integers(2**31)), 0)
+    task = make_task(int(rng.integers(2**31)), 0, effort=OWN_EFFORT)
     if not _blocked((task.start, *task.targets[:TARGETS]), task.obstacles, BOX_RADIUS):
         return None
     robot = msgspec.structs.replace(task.robot, rate_hz=RATE_HZ)

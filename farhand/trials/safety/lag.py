@@ -17,7 +17,7 @@ import msgspec
 from farhand.common.seeds import stream
 from farhand.laboratory.campaigns.jobs import Job, Row
 from farhand.laboratory.campaigns.statistics import clopper_pearson
-from farhand.laboratory.campaigns.tasks import BoxKind, make_task
+from farhand.laboratory.campaigns.tasks import OWN_EFFORT, BoxKind, make_task
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings
 from farhand.trials.safety.rows import rows_of
@@ -43,7 +43,7 @@ def draw_task(seed: int, index: int, robot: BoxKind, ranges: Ranges) -> Scenario
     lag, speed = float(draw.uniform(*ranges.lag)), float(draw.uniform(*ranges.speed))
     tester = {"far_speed": speed, "near_speed": min(0.05, speed)}
     return replace_settings(
-        make_task(seed, index, robot),
+        make_task(seed, index, robot, effort=OWN_EFFORT),
         {"robot.lag": lag, "controller.speed_limit": [speed] * 3, "steering.tester": tester},
     )
 

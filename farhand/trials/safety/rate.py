@@ -23,7 +23,7 @@ from farhand.laboratory.campaigns.jobs import Job, Row
 from farhand.laboratory.campaigns.pools import LocalPool
 from farhand.laboratory.campaigns.run_table1 import run_with_progress
 from farhand.laboratory.campaigns.store import Store, source_digest
-from farhand.laboratory.campaigns.tasks import BoxKind, make_task
+from farhand.laboratory.campaigns.tasks import OWN_EFFORT, BoxKind, make_task
 from farhand.netem.models.profiles import PROFILES
 from farhand.programs.wiring import versions
 from farhand.runs.run import Run
@@ -47,7 +47,9 @@ TABLE = "rate.md"
 def jobs_for(options: argparse.Namespace) -> list[Job]:
     """Every task over every network at every rate."""
     arms = [] if options.no_arm else range(max(1, options.tasks // ARM_SHARE))
-    boxes = [make_task(options.seed, index, options.robot) for index in range(options.tasks)]
+    boxes = [
+        make_task(options.seed, index, options.robot, effort=OWN_EFFORT) for index in range(options.tasks)
+    ]
     tasks = [(options.robot, index, scenario, TIME_LIMIT) for index, scenario in enumerate(boxes)]
     tasks += [("ur5", index, _arm_task(options.seed, index), ARM_TIME_LIMIT) for index in arms]
     found = []

@@ -138,7 +138,7 @@ class ArmGuard:
         n = arm.n
         self._own_chain, self._J = ArmChain(arm), np.zeros((6, n))
         self._A, self._b = np.zeros((ROWS, n)), np.zeros(ROWS)
-        self._facts, self._watched = np.zeros((ROWS, 4)), np.zeros((WATCHED, 5))
+        self._facts, self._watched = np.zeros((ROWS, kernel.FACTS)), np.zeros((WATCHED, 5))
         self._qd, self._previous, self._asked = np.zeros(n), np.zeros(n), np.zeros(n)
         self._report = np.zeros(kernel.REPORT)
         self.did: Intervention | None = None

@@ -61,6 +61,7 @@ def test_the_printed_configuration_is_one_of_zenoh(certificates, capsys):
     assert {s["id"] for s in access["subjects"]} >= {"operator.alice", "robot.ur5", "netem.lab", "router.far"}
 
 
+@pytest.mark.long
 def test_tasks_through_routers_and_an_emulator_between_two_of_them(
     started, scenario, certificates, routers, tmp_path, capsys
 ):

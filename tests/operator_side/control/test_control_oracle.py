@@ -37,6 +37,7 @@ def test_newton_is_the_oracles_answer(kind):
     assert classes["agree"] + sum(classes[name] for name in EXPLAINED) == NUMBER
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.thorough
 def test_the_sqp_is_the_oracles_answer():

@@ -9,6 +9,7 @@ from farhand.common.messages.scene import Obstacle
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.model import model
+from farhand.robot_side.robots import pybullet_arm
 from farhand.robot_side.robots.pybullet_arm import ArmRobot
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario, replace_setting
@@ -20,7 +21,9 @@ GRAVITY = 9.81
 
 @pytest.fixture(scope="module")
 def robot():
-    robot = ArmRobot(SCENARIO)
+    with pytest.MonkeyPatch.context() as patch:  # the tool's frame as well, which the physics does without
+        patch.setattr(pybullet_arm, "massive_text", lambda text: text)
+        robot = ArmRobot(SCENARIO)
     yield robot
     robot.close()
 

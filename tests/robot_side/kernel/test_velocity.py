@@ -9,6 +9,7 @@ from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import model
+from farhand.robot_side.kernel import rotation, singularity
 from farhand.robot_side.kernel import velocity as kernel
 from farhand.robot_side.kernel.qp import BAD_INPUT, SOLVED
 
@@ -73,7 +74,9 @@ def test_it_is_the_program_that_its_docstring_names(ur5, sliding, turning):
         box = -rng.uniform(0.1, 1.0, 6), rng.uniform(0.1, 1.0, 6)
         status, _, qd, _ = ur5.velocity(q, v, w, (A, b), sliding, wanted=wanted, box=box)
         # residuals of (q', s, r): their squares are the cost
-        damping = kernel.LINE_WEIGHT * max(kernel.escaping_damping(J, v, w + 4.0 * e), kernel.LEAST_DAMPING)
+        damping = kernel.LINE_WEIGHT * max(
+            singularity.escaping_damping(J, v, w + 4.0 * e), kernel.LEAST_DAMPING
+        )
         blocks = [
             (line, np.column_stack([J[:3], -v, NONE]), NONE),
             (100.0, np.column_stack([J[3:], NONE, -w]), 4.0 * e),
@@ -102,7 +105,7 @@ def test_a_free_arm_does_just_what_is_asked(ur5, panda):
             q = near_home(arm, rng, 0.4)
             v, w = rng.uniform(-0.1, 0.1, 3), rng.uniform(-0.2, 0.2, 3)
             status, share, qd, _ = arm.velocity(q, v, w)
-            if kernel.escaping_damping(arm.jacobian(q), v, w) > 0.0:
+            if singularity.escaping_damping(arm.jacobian(q), v, w) > 0.0:
                 continue
             assert status == SOLVED
             assert share == pytest.approx(1.0, abs=1e-4)
@@ -155,7 +158,7 @@ def test_damping_is_that_of_the_singular_values(ur5, panda):
             U, values, Vt = np.linalg.svd(J, full_matrices=False)
             left, right, way = np.empty(6), np.empty(arm.n), np.zeros(max(arm.n, 6))
             way[:6] = twist
-            assert kernel.singular(J, left, right, way) == pytest.approx(values[-1], abs=1e-12)
+            assert singularity.singular(J, left, right, way) == pytest.approx(values[-1], abs=1e-12)
             assert np.linalg.norm(left) == pytest.approx(1.0)
             assert np.linalg.norm(right) == pytest.approx(1.0)
             assert np.abs(left @ J - values[-1] * right).max() < 1e-9
@@ -163,12 +166,17 @@ def test_damping_is_that_of_the_singular_values(ur5, panda):
                 assert way == pytest.approx(
                     Vt.T @ ((U.T @ twist) / np.maximum(values, 1e-4)), rel=1e-6, abs=1e-6
                 )
-            found = kernel.escaping_damping(J, twist[:3], twist[3:])
-            if values[-1] >= kernel.SINGULAR_BELOW:
+            found = singularity.escaping_damping(J, twist[:3], twist[3:])
+            if values[-1] >= singularity.SINGULAR_BELOW:
                 assert found == 0.0
             else:
                 damped += 1
-                assert 0.0 <= found <= kernel.damping_of(values[-1]) + 1e-12 <= kernel.MAX_DAMPING**2 + 1e-12
+                assert (
+                    0.0
+                    <= found
+                    <= singularity.damping_of(values[-1]) + 1e-12
+                    <= singularity.MAX_DAMPING**2 + 1e-12
+                )
     assert damped > 50
 
 
@@ -180,7 +188,7 @@ def test_the_gradient_of_the_smallest_singular_value(name):
         q = rng.uniform(-2.0, 2.0, arm.n)
         U, _, Vt = np.linalg.svd(arm.jacobian(q), full_matrices=False)
         found = np.empty(arm.n)
-        kernel.singular_value_gradient(
+        singularity.singular_value_gradient(
             arm.jacobian(q), np.ascontiguousarray(U[:, -1]), np.ascontiguousarray(Vt[-1]), found
         )
         steps = 1e-6 * np.eye(arm.n)
@@ -195,9 +203,9 @@ def test_rotations_are_pinocchios():
             e = angle * axis / np.linalg.norm(axis)
             R = pin.exp3(rng.normal(size=3))
             out, found = np.empty((3, 3)), np.empty(3)
-            kernel.turn_by(R, e, out)
+            rotation.turn_by(R, e, out)
             assert out == pytest.approx(pin.exp3(e) @ R, abs=1e-12)
-            kernel.rotation_vector(out, R, found)
+            rotation.rotation_vector(out, R, found)
             if angle > 3.14:
                 assert pin.exp3(found) == pytest.approx(pin.exp3(e), abs=1e-6)
             else:
@@ -207,10 +215,10 @@ def test_rotations_are_pinocchios():
 def test_an_arm_that_cannot_follow_does_not_wind_its_orientation_up():
     wanted, tool = np.eye(3), np.eye(3)
     for _ in range(1000):
-        kernel.turn_wanted(wanted, tool, np.array([0.0, 0.0, 1.0]), 0.01)
-    assert pin.log3(wanted) == pytest.approx((0.0, 0.0, kernel.LEAD))
+        rotation.turn_wanted(wanted, tool, np.array([0.0, 0.0, 1.0]), 0.01)
+    assert pin.log3(wanted) == pytest.approx((0.0, 0.0, rotation.LEAD))
     kept = wanted.copy()
-    kernel.turn_wanted(wanted, tool, NONE, 0.01)
+    rotation.turn_wanted(wanted, tool, NONE, 0.01)
     assert np.array_equal(wanted, kept)
 
 

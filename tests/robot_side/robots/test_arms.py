@@ -8,6 +8,7 @@ from farhand.common.geometry import Twist
 from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.arm.catalogue import ARMS
 from farhand.robot_side.arm.model import model
+from farhand.robot_side.robots import pybullet_arm
 from farhand.robot_side.robots.arms import chosen_arm, fit_files, model_from_files
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.settings import RobotSettings, ToolSettings
@@ -43,7 +44,12 @@ def files(tmp_path):
     return tmp_path / "mine.urdf", tmp_path / "mine.srdf"
 
 
-def test_physics_and_arrays_agree(robot):
+@pytest.fixture
+def whole(monkeypatch):
+    monkeypatch.setattr(pybullet_arm, "massive_text", lambda text: text)
+
+
+def test_physics_and_arrays_agree(whole, robot):
     bullet, client, arm = robot._bullet, robot._client, robot.arm
     rng = np.random.default_rng(1)
     for _ in range(5):
@@ -55,6 +61,22 @@ def test_physics_and_arrays_agree(robot):
         R, p = arm.tool_pose(q)
         assert np.allclose(state[4], p, atol=1e-6)
         assert np.allclose(np.array(bullet.getMatrixFromQuaternion(state[5])).reshape(3, 3), R, atol=1e-5)
+
+
+def test_frames_without_mass_or_shape_change_no_bit_of_the_motion(monkeypatch):
+    ways = []
+    for text in (pybullet_arm.massive_text, str):
+        monkeypatch.setattr(pybullet_arm, "massive_text", text)
+        robot = make_robot(PANDA)
+        way = []
+        for k in range(300):
+            robot.step(Twist((0.1, 0.001 * k, -0.05)), DT)
+            way.append(robot.sample())
+        ways.append((robot._bullet.getNumJoints(robot.body, physicsClientId=robot._client), way))
+        robot.close()
+    (few, lean), (many, full) = ways
+    assert few < many
+    assert lean == full
 
 
 def test_every_arm_rests_without_creeping_and_follows(robot):

@@ -10,9 +10,9 @@ import zenoh.ext
 from zenoh_ros2_sdk import ROS2Publisher, ROS2ServiceClient, ROS2Subscriber
 from zenoh_ros2_sdk.session import ZenohSession
 
-from farhand.bridges.ros2.definitions import SERVICES
-from farhand.bridges.ros2.types import Types
-from farhand.bridges.ros2.wire import dds_name
+from farhand.bridges.ros2.cdr.definitions import SERVICES
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.wire import dds_name
 from farhand.common.link.zenoh_link import zenoh_config
 
 PATIENCE = 60.0

@@ -5,9 +5,9 @@ import threading
 from contextlib import contextmanager
 
 from farhand.bridges.ros2.bridge import Bridge
-from farhand.bridges.ros2.node import RosNode
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.graph.node import RosNode
 from farhand.bridges.ros2.settings import Ros2Options
-from farhand.bridges.ros2.types import Types
 from farhand.common.link.keyed_inbox import KeyedInbox
 from farhand.common.link.link import Packet
 from farhand.common.link.zenoh_link import open_session

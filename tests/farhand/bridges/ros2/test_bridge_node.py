@@ -3,11 +3,11 @@
 import pytest
 
 from farhand.bridges.ros2.bridge_node import BridgeNode
-from farhand.bridges.ros2.inbound import TWIST, Reader, Refusals, TwistFrames
-from farhand.bridges.ros2.node import Heard, Subscription
-from farhand.bridges.ros2.steering import TwistDevice
-from farhand.bridges.ros2.twist_hand import TwistHand
-from farhand.bridges.ros2.wire import Attachment
+from farhand.bridges.ros2.graph.node import Heard, Subscription
+from farhand.bridges.ros2.graph.wire import Attachment
+from farhand.bridges.ros2.inbound.devices import TwistDevice
+from farhand.bridges.ros2.inbound.reading import TWIST, Reader, Refusals, TwistFrames
+from farhand.bridges.ros2.inbound.twist_hand import TwistHand
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.keys import report_key, steering_key
@@ -45,6 +45,10 @@ class Drive:
             attachment = Attachment(self.seq, self.now_ns, GID).to_bytes()
             self.subscription.put(Heard(key_of(TWIST), TYPES.encode(message, TWIST), attachment, self.now_ns))
             self.node.step(self.now_ns)
+        return self.said()
+
+    def said(self):
+        """The last that was sent to the operator's program."""
         said = [
             self._decoder.decode(each.payload) for each in self.link.sent if each.key == steering_key("r")
         ]
@@ -78,6 +82,15 @@ def test_what_lets_go_wants_a_fresh_press_afterwards(drive, what, fields):
     drive.run(twist(), 5)
     steering = drive.run(FORWARD, 5)
     assert (steering.engaged, steering.press) == (True, 2)
+
+
+def test_silence_lets_go_at_once_though_nothing_comes_that_would_wake_it(drive):
+    heard_ns = now_ns = drive.now_ns
+    while drive.said().engaged:
+        due_ns = drive.node.step(now_ns)
+        if drive.said().engaged:
+            now_ns = drive.link.now_ns = due_ns
+    assert now_ns == heard_ns + 100 * MS + 1
 
 
 def test_reports_are_handed_on_and_the_wheel_is_given_up_at_the_end(drive):

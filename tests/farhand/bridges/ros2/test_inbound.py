@@ -6,17 +6,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from farhand.bridges.ros2.inbound import JOY, TWIST, Reader, Refusals, RefusedError, TwistFrames, inputs_of
-from farhand.bridges.ros2.joint_states import JOINT_STATE, JointStates
-from farhand.bridges.ros2.joy import JoySettings
-from farhand.bridges.ros2.node import Heard, Subscription
-from farhand.bridges.ros2.steering import JoyDevice, TwistDevice
-from farhand.bridges.ros2.twist_hand import TwistHand
-from farhand.bridges.ros2.types import CdrError, Types
-from farhand.bridges.ros2.wire import Attachment, data_key
-from farhand.exports.ros_messages import Ros
+from farhand.bridges.ros2.cdr.types import CdrError, Types
+from farhand.bridges.ros2.graph.node import Heard, Subscription
+from farhand.bridges.ros2.graph.wire import Attachment, data_key
+from farhand.bridges.ros2.inbound.devices import JoyDevice, TwistDevice
+from farhand.bridges.ros2.inbound.joy import JoySettings
+from farhand.bridges.ros2.inbound.reading import (
+    JOY,
+    TWIST,
+    Reader,
+    Refusals,
+    RefusedError,
+    TwistFrames,
+    inputs_of,
+)
+from farhand.bridges.ros2.inbound.twist_hand import TwistHand
 from farhand.operator_side.devices.hand import Obstacles
-from farhand.testing import state
 
 TYPES = Types("jazzy")
 GID = b"g" * 16
@@ -160,10 +165,3 @@ def test_an_axis_beyond_its_end_and_a_button_that_is_none_are_refused():
     for wrong in (joy(axes=(1.5,)), joy(axes=(math.nan,)), joy(buttons=(2,))):
         with pytest.raises(RefusedError):
             inputs_of(wrong, Attachment(1, 0, GID))
-
-
-@given(st.integers(0, 2**31 * 10**9 - 1), st.lists(FINITE, min_size=1, max_size=16))
-def test_joint_states_as_bytes_are_those_of_the_library(time_ns, positions):
-    ros, names = Ros(TYPES.types), [f"joint_{n}" for n in range(len(positions))]
-    found = JointStates(TYPES, ros, names).encode(time_ns, positions)
-    assert found == TYPES.encode(ros.joints(time_ns, names, state(joints=tuple(positions))), JOINT_STATE)

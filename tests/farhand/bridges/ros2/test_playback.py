@@ -4,8 +4,8 @@ import queue
 
 import pytest
 
-from farhand.bridges.ros2.playback import CLOCK, RunPlayback, kept_in
-from farhand.bridges.ros2.types import Types
+from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.playback import CLOCK, RunPlayback
 from farhand.common.link.ports import free_ports
 from farhand.common.recording.reader import read_run
 from farhand.testing import Programs
@@ -49,7 +49,7 @@ def test_ticks_are_told_when_they_are_due_and_with_the_stamps_of_the_run(path):
     assert playback.step(begun + 10**12) is None
     assert playback.over
     assert {"state", "scene", "description", "report", "command"} <= {kind for kind, _ in taker.said}
-    assert kept_in(run.info) is None or kept_in(run.info) >= 0.0
+    assert run.info.kept is None or run.info.kept >= 0.0
 
 
 @pytest.mark.realtime

@@ -23,6 +23,9 @@ from farhand.cli import run
         (["--robot", "a/b"], "a robot's name"),
         (["--connect", "tcp/10.0.0.1:7446"], "must be on this host"),
         (["--router", "7447"], "expected PROTOCOL/HOST:PORT"),
+        (["--router", "tls/127.0.0.1:7447"], "needs --tls DIR"),
+        (["--tls", "certs"], "--tls certs: no endpoint is secured"),
+        (["--tls", "certs", "--router", "tls/127.0.0.1:7447"], "there is no ca.pem"),
         (["no-such-run.mcap"], "no such file"),
     ],
 )

@@ -2,7 +2,7 @@
 
 import pytest
 
-from farhand.bridges.ros2.status import diagnostics, servo_status
+from farhand.bridges.ros2.outbound.status import diagnostics, servo_status
 from farhand.common.messages.intervention import Intervention
 from farhand.testing import report, state
 

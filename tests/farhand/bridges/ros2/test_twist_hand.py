@@ -3,8 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from farhand.bridges.ros2.arrivals import LATE_NS
-from farhand.bridges.ros2.twist_hand import SILENCE_NS, TwistHand, Wanted
+from farhand.bridges.ros2.inbound.arrivals import LATE_NS
+from farhand.bridges.ros2.inbound.twist_hand import SILENCE_NS, TwistHand, Wanted
 
 REST, FORWARD = Wanted((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), Wanted((0.1, 0.0, 0.0), (0.0, 0.0, 0.0))
 A, B = b"a" * 16, b"b" * 16

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from pamoja import ros2 as pamoja
 from zenoh.ext import Int64, z_serialize
 
-from farhand.bridges.ros2.types import DISTROS, Types
-from farhand.bridges.ros2.wire import (
+from farhand.bridges.ros2.cdr.types import DISTROS, Types
+from farhand.bridges.ros2.graph.wire import (
     LATCHED,
     RELIABLE,
     ROSOUT,

@@ -8,7 +8,7 @@ import sys
 import pytest
 from msgspec.structs import replace
 
-from farhand.bridges.ros2.parameters import STRING
+from farhand.bridges.ros2.serving.parameters import STRING
 from farhand.common.link.ports import free_ports
 from farhand.common.messages.camera import CameraFrame
 from farhand.testing import command, description, obstacle, report, scene, state
@@ -124,6 +124,22 @@ def _see(heard, joints, picture):
     assert "the filter intervenes for ball" in first(heard["/rosout"], lambda m: "filter" in m.name).msg
     assert first(heard["/farhand/camera/image_raw/compressed"]).data.tobytes() == picture
     assert first(heard["/farhand/camera/camera_info"]).width == 8
+
+
+def test_what_nobody_reads_is_not_sent(port, peer):
+    with running(port, namespace="/unread") as bridge:
+        told = bridge.bridge.outward
+        stream = again(
+            bridge, lambda seq: (UR5, "description"), lambda seq: (state(seq, joints=(0.0,) * 6), "state")
+        )
+        try:
+            while not told.stands:
+                bridge.wait(lambda s: s.engaged, 0.05)
+            assert (told.joint_states.wanted, told.joint_states.sent) == (False, 0)
+            first(peer.listen("/unread/joint_states", "sensor_msgs/msg/JointState"))
+            assert told.joint_states.sent
+        finally:
+            stream.close()
 
 
 def test_who_comes_late_gets_the_robot_and_its_standing_frames(bridge, peer):

@@ -49,6 +49,7 @@ def run_in_dying_workers(chunk: list[Job]):
     return [dying(job) for job in chunk]
 
 
+@pytest.mark.long
 def test_one_and_two_fresh_workers_give_the_same_csv(tmp_path, capsys):
     tables = []
     # A task alone draws no figures; its row is the same.
@@ -116,6 +117,7 @@ def test_a_crash_is_a_row_with_its_seed(tmp_path, jobs, monkeypatch):
     assert cells([row])["constant", "paper"].crashed == 1
 
 
+@pytest.mark.long
 def test_a_job_that_kills_its_process_costs_one_row(tmp_path, jobs, monkeypatch):
     monkeypatch.setattr("farhand.laboratory.campaigns.campaign.run_jobs", run_in_dying_workers)
     store = Store(tmp_path, ABOUT)

@@ -44,6 +44,7 @@ def cluster() -> Iterator[tuple[str, list[Program]]]:
         yield found[0], workers
 
 
+@pytest.mark.long
 @pytest.mark.realtime
 @pytest.mark.slow
 def test_a_killed_worker_costs_no_row_and_doubles_none(cluster, tmp_path):

@@ -82,6 +82,7 @@ def findings(hosts, *words):
     return process.returncode, [f for f in json.loads(out.splitlines()[-1]) if f["level"] == "bad"]
 
 
+@pytest.mark.long
 def test_the_doctor_finds_each_planted_fault(hosts):
     hosts, folder = hosts
     good = ["--tls", str(folder / "certs" / "operator.alice")]

@@ -14,6 +14,7 @@ def test_the_distance_of_two_paths_is_that_of_their_places_from_the_others_lines
     assert apart(line, line) == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_asked_for_the_same_twists_the_paths_are_two_millimetres_apart_at_most():
     alike, _ = apart_in_lockstep("5g-urban", 500.0)

@@ -1,0 +1,1 @@
+"""What comes from ROS: read, judged by its arrival, and held to run."""

@@ -1,0 +1,1 @@
+"""What Farhand says, on ROS topics."""

@@ -1,0 +1,1 @@
+"""Coverage-guided fuzzing of every place where bytes from outside come in."""

@@ -1,0 +1,1 @@
+"""One file an edge: what goes in, what must never come of it."""
