@@ -8,6 +8,7 @@ from farhand.common.messages.keys import mirror_key
 from farhand.common.timing.clock import to_ns
 from farhand.operator_side.console.absence import Absence
 from farhand.operator_side.console.camera import CameraFeed
+from farhand.operator_side.console.following import Following, Shortfall
 from farhand.operator_side.console.frames import frame, situation
 from farhand.operator_side.console.network import Network, NetworkTold
 from farhand.operator_side.console.picture import Picture
@@ -44,6 +45,8 @@ class Console:
         self._link, self._find, self._network = link, find_model, network
         self._sender = SteeringSender(robot, link, session, "console", "the console")
         self._absence, self._sight = Absence(to_ns(LOST_AFTER)), Sight()
+        self._following = Following()
+        self._short: Shortfall | None = None
         self._camera_key = mirror_key(robot, "camera")
         self._model: tuple[str, RobotModel | None] = ("", None)
 
@@ -70,6 +73,8 @@ class Console:
         self.camera.look(self.picture, now_ns)
         if self.picture.state is not None:
             self.seat.robot_shows(estop=self.picture.state.mode == "estop")
+        picture = self.picture
+        self._short = self._following.note(picture.report, picture.state, picture.ages(now_ns)[1], now_ns)
         now = self._situation(now_ns)
         self.seat.lock(lost(now))
         self._absence.note(unheard(now), now_ns, pressed=now.holds)
@@ -101,6 +106,7 @@ class Console:
             frozen=self._sight.frozen(now_ns),
             outage=network is not None and network.outage,
             was_lost=self._absence.was_lost,
+            short=self._short,
         )
 
     def _change_network(self) -> None:

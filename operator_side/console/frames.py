@@ -8,6 +8,7 @@ import msgspec
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
+from farhand.operator_side.console.following import Shortfall
 from farhand.operator_side.console.nearness import tool_to
 from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.picture import NEVER, Picture
@@ -30,9 +31,16 @@ _REPORT = _words(
 
 
 def situation(
-    picture: Picture, seat: Seat, now_ns: int, *, outage: bool, frozen: float, was_lost: float
+    picture: Picture,
+    seat: Seat,
+    now_ns: int,
+    *,
+    outage: bool,
+    frozen: float,
+    was_lost: float,
+    short: Shortfall | None,
 ) -> Situation:
-    """What the status is made from; for the last three see there."""
+    """What the status is made from; for the last four see there."""
     report_age, state_age = picture.ages(now_ns)
     driver = seat.pages.get(seat.driver)
     return Situation(
@@ -49,6 +57,7 @@ def situation(
         was_lost=was_lost,
         near=tool_to(picture, picture.report.binding) if picture.report and picture.report.binding else None,
         stopped_by=seat.stopped_by,
+        short=short,
     )
 
 
@@ -81,6 +90,7 @@ def frame(
         "asking": [[n, each.name] for n, each in seat.pages.items() if each.asks],
         "watching": len(seat.pages) - (1 if seat.driver else 0),
         "holds": now.holds,
+        "stands": now.holds and now.short is not None and now.short.lasting,
         "stopping": now.stopping,
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
         "counts": seat.counts(number, now_ns),

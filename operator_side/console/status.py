@@ -9,6 +9,7 @@ from msgspec import UNSET
 from farhand.common.geometry import norm
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
+from farhand.operator_side.console.following import Shortfall
 from farhand.operator_side.console.sight import GONE_AFTER
 
 LOST_AFTER = 1.0
@@ -58,6 +59,7 @@ class Situation:
     was_lost: for how long there had been no news, until a moment ago (s); 0: nothing of the kind.
     near: from the sphere around the tool to what binds (m); None: not known, or nothing binds.
     stopped_by: the page on which the emergency stop was asked for; empty: on none.
+    short: what the robot's own speed lacks of what was sent; None: nothing.
     """
 
     report: ControlReport | None
@@ -74,6 +76,7 @@ class Situation:
     was_lost: float = 0.0
     near: float | None = None
     stopped_by: str = ""
+    short: Shortfall | None = None
 
 
 def reasons(now: Situation) -> list[Reason]:
@@ -177,7 +180,10 @@ def _changed(now: Situation) -> Iterator[Reason]:
             if report.free_side
             else "Move away from it, or along it.",
         )
-    elif asked > STILL and report.mode == "run" and _along(report) < LESS * asked:
+    if not state.guard:  # what the guard does the robot does on purpose
+        yield from _not_followed(now, state)
+    on_the_way = not report.intervening and now.short is None
+    if on_the_way and asked > STILL and report.mode == "run" and _along(report) < LESS * asked:
         yield Reason("run", f"On the way to what was asked: {done:.2f} of {asked:.2f} m/s.")
     turns, turned = norm(report.desired_angular), norm(report.angular)
     if turns > STILL and report.mode == "run" and turned < LESS * turns:
@@ -193,6 +199,23 @@ def _changed(now: Situation) -> Iterator[Reason]:
         yield Reason("held", what, "It goes on by itself once that is over.")
     if report.held_by:
         yield Reason("held", f"No progress: held by {report.held_by}.", "Drive or turn another way.")
+
+
+def _not_followed(now: Situation, state: RobotState) -> Iterator[Reason]:
+    """What the robot does not do of what was sent, by its own measure."""
+    short = now.short
+    if short is None:
+        return
+    speed = f"{max(0.0, short.done):.2f} of {short.sent:.2f} {short.unit}"
+    if not short.lasting:
+        yield Reason("run", f"On the way: the robot does {speed} so far.")
+        return
+    held_by = "" if state.held_by is UNSET else state.held_by
+    why = held_by or (state.reason if state.mode == "hold" else "") or "not known yet why"
+    if short.stands:
+        yield Reason("held", f"Standing: the robot does not follow: {why}.", "Drive or turn another way.")
+    else:
+        yield Reason("slowed", f"The robot follows with {speed}: {why}.", "Drive or turn another way.")
 
 
 def _waiting(now: Situation) -> Iterator[Reason]:

@@ -4,6 +4,7 @@ import msgspec
 import pytest
 
 from farhand.common.messages.intervention import Intervention
+from farhand.operator_side.console.following import Shortfall
 from farhand.operator_side.console.status import NOT_ENGAGED, Situation, lost, reasons, unheard
 from farhand.testing import report, state
 
@@ -22,6 +23,9 @@ WHY = msgspec.structs.replace(
     SLOWED, limit=0.01, margin_parts={"floor": 0.01, "innovation": 0.019, "spread": 0.004, "lag": 0.005}
 )
 BEGINS = report(desired=(0.2, 0.0, 0.0), filtered=(0.05, 0.0, 0.0))
+BEGUN = Shortfall(0.0, 0.15, "m/s", lasting=False)
+STANDS, CRAWLS = (Shortfall(done, 0.15, "m/s", lasting=True) for done in (0.0, 0.03))
+EDGE = state(held_by="the edge of its reach")
 TURNED = msgspec.structs.replace(SLOWED, filtered=(0.15, 0.0, 0.13))
 
 
@@ -57,6 +61,10 @@ def situation(**more):
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "Slowed by ball"),
         (situation(driver="page 1", holds=True, report=TURNED, near=0.05), "slowed", "Turned aside: tool 50 mm"),
         (situation(driver="page 1", holds=True, report=BEGINS), "run", "On the way to what was asked: 0.05"),
+        (situation(driver="page 1", holds=True, short=BEGUN), "run", "On the way: the robot does 0.00 of 0.15 m/s"),
+        (situation(driver="page 1", holds=True, short=STANDS), "held", "does not follow: not known yet why."),
+        (situation(driver="page 1", holds=True, short=STANDS, state=EDGE), "held", "does not follow: the edge of its"),
+        (situation(driver="page 1", holds=True, short=CRAWLS, state=EDGE), "slowed", "follows with 0.03 of 0.15"),
         (situation(driver="page 1", holds=True, report=WHY), "slowed", "limit 10, margin 24, of which network 9."),
         (situation(state=state(mode="estop", reason="by o"), stopped_by="page 2"), "e-stop", "by o, on page 2."),
     ],

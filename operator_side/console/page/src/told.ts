@@ -81,6 +81,8 @@ export interface FrameTold {
   driver_name: string;
   asking: [number, string][];
   holds: boolean;
+  /** Whether the robot does not do what is sent, for longer than the way there and its start-up explain. */
+  stands?: boolean;
   /** An emergency stop was asked for, and the robot has not latched it yet. */
   stopping: boolean;
   heard: number;

@@ -124,7 +124,7 @@ export class World {
       const place = this.aim(new Vector3(...report.predicted), quaternion(report.predicted_orientation), orientation, dt);
       this.placeGhost(place);
       this.asked.set(...report.desired);
-      this.done.set(...(told.guard ? state.velocity : report.filtered)); // the guard's hand shows in what the robot did
+      this.done.set(...state.velocity); // what the robot did, by its own measure: not what it was told
     } else {
       this.asked.set(0, 0, 0);
       this.done.set(0, 0, 0);
@@ -143,7 +143,7 @@ export class World {
   private aim(at: Vector3, orientation: Quaternion, tool: Quaternion, dt: number): { position: Vector3; orientation: Quaternion } {
     const velocity = new Vector3();
     const spin = new Vector3();
-    if (this.wish) {
+    if (this.wish && !this.told?.stands) {
       const { axes, frame, scale, view } = this.wish;
       velocity
         .set(...axes.linear)
@@ -175,7 +175,9 @@ export class World {
       const apart = Math.max(0, ...this.ghost.values.map((q, k) => Math.abs(q - (this.confirmed.values[k] ?? q))));
       this.ghostSeen = apart > 0.002 ? Math.min(1, apart / 0.03) : 0; // where they are one, the confirmed one is seen
     }
-    if (this.offset.length() > 0.004 || this.turn.length() > 0.01) this.say("ghost", "predicted", "predicted", place.position, -70, -52);
+    if (this.told?.stands) this.say("ghost", "predicted; the robot does not follow", "predicted", place.position, -70, -52);
+    else if (this.offset.length() > 0.004 || this.turn.length() > 0.01)
+      this.say("ghost", "predicted", "predicted", place.position, -70, -52);
   }
 
   readonly ghostAt = new Vector3();
@@ -205,7 +207,7 @@ export class World {
     this.path = length > SEEN ? path : [];
     const end = this.path.at(-1);
     const from = this.path[0];
-    if (end && from && end.distanceTo(from) > WORTH_A_WORD) this.say("stop", "stops here", "predicted", end, 72, -12);
+    if (end && from && !told.stands && end.distanceTo(from) > WORTH_A_WORD) this.say("stop", "stops here", "predicted", end, 72, -12);
   }
 
   private leaveTrail(ms: number): void {
