@@ -67,7 +67,13 @@ class Ur5(Operator):
         if self.silent:
             return []
         self.seq += 1
-        posture = {"position": AT, "orientation": DOWN, "joints": HOME, "clearance": 0.051}
+        posture = {
+            "position": AT,
+            "orientation": DOWN,
+            "joints": HOME,
+            "clearance": 0.051,
+            "arm_clearance": 0.038,
+        }
         seen = {"predicted": AHEAD, "predicted_orientation": DOWN, "target_count": 3}
         names = tuple(f"{name}_joint" for name in JOINTS)
         found = {
@@ -140,6 +146,24 @@ def test_each_state_is_said_and_nothing_is_cut_off(desk, name):
         operator.silent = False
         operator.state, operator.report = {}, {}
         desk.until(lambda: browser.text("pill").lower() == "ready", "it is ready again")
+
+
+def test_the_least_of_tool_and_arm_is_shown_and_named(desk):
+    browser, operator = desk.browser, desk.operator
+    desk.until(lambda: browser.text("clearance") == "38", "the arm's is shown")
+    assert browser.text("clearance-of") == "mm arm · tool 51"
+    assert browser.text("kept") == "tool margin 24"
+    operator.report = {"limit": 0.01}
+    try:
+        desk.until(
+            lambda: browser.text("kept") == "arm limit 10; tool 34 = limit + margin 24", "so are both limits"
+        )
+        assert browser.run(CUT_OFF) == []
+        operator.state = {"arm_clearance": 0.2}
+        desk.until(lambda: browser.text("clearance") == "51", "the tool's is shown")
+        assert browser.text("clearance-of") == "mm tool to ball · arm 200"
+    finally:
+        operator.state, operator.report = {}, {}
 
 
 def take(desk, name, file):

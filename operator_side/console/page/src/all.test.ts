@@ -1,6 +1,7 @@
 // Every test, bundled into one run.
 import "./arrival.test.ts";
 import "./camera.test.ts";
+import "./clearance.test.ts";
 import "./gamepad.test.ts";
 import "./hand.test.ts";
 import "./margin.test.ts";

@@ -1,7 +1,8 @@
 // What is read: pill and sentence, numbers, half a minute of history.
 import { chart } from "./chart.ts";
+import { keptOf, type Least, leastOf } from "./clearance.ts";
 import { element, emphasise, put } from "./dom.ts";
-import { keptText, marginText } from "./margin.ts";
+import { marginText } from "./margin.ts";
 import type { FrameTold, Reason } from "./told.ts";
 
 const HISTORY_MS = 30_000;
@@ -12,8 +13,16 @@ interface Past {
   at: number;
   clearance: number;
   kept: number;
+  limit: number;
   /** null: none is known. */
   trip: number | null;
+}
+
+/** Whose clearance it is, to what where that is known; or how old it is. */
+function clearanceText(least: Least, nearest: string, age: number | null): string {
+  if (age !== null) return `mm ${least.part}, ${age.toFixed(0)} s ago`;
+  const to = nearest && least.isTool ? ` to ${nearest}` : "";
+  return `mm ${least.part}${to}${least.other ? ` · ${least.other}` : ""}`;
 }
 
 export class Panel {
@@ -54,35 +63,33 @@ export class Panel {
     put("spoken", `${pill}. ${what}`);
   }
 
-  /** `nearest` is the obstacle that the clearance is to, `silent` for how long the console has been (s); null: it is not. */
+  /** `nearest` is the obstacle that the tool's clearance is to, `silent` for how long the console has been (s); null: it is not. */
   show(told: FrameTold, nearest: string, silent: number | null): void {
     const { state, report } = told;
-    const limit = report?.limit ?? 0;
-    const kept = limit + (report ? report.inflation + report.sigma : 0);
-    const clearance = state?.clearance ?? null;
-    put("clearance", clearance === null ? "–" : (clearance * 1000).toFixed(0));
+    const least = state ? leastOf(state, report, told.guard) : null;
+    put("clearance", least ? (least.value * 1000).toFixed(0) : "–");
     const lost = told.locked !== "" || silent !== null;
     const age = told.age === null ? null : told.age + (silent ?? 0);
     element("read").classList.toggle("old", lost);
-    put("clearance-of", lost && age !== null ? `mm, ${age.toFixed(0)} s ago` : nearest ? `mm to ${nearest}` : "mm");
-    put("kept", report && state ? keptText(report) : "keeps –");
+    put("clearance-of", least ? clearanceText(least, nearest, lost ? age : null) : "mm");
+    put("kept", report && least ? keptOf(least, report) : "keeps –");
     const parts = report && state ? marginText(report) : "";
     put("margin", parts.includes("=") ? parts : "");
-    this.bar(clearance, limit, kept);
+    this.bar(least);
     put("speed", state ? Math.hypot(...state.velocity).toFixed(2) : "–");
     put("asked", report && state ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
     this.link(told, lost);
-    this.remember(told, limit, kept, lost);
+    this.remember(told, least, lost);
   }
 
   /** How far it is, over what must be kept: the limit, and the margin beyond it. */
-  private bar(clearance: number | null, limit: number, kept: number): void {
+  private bar(least: Least | null): void {
     const bar = element("bar");
     const [margin, fill, mark] = bar.children;
     const share = (metres: number) => `${Math.max(0, Math.min(100, (100 * metres) / FULL)).toFixed(1)}%`;
-    if (fill instanceof HTMLElement) fill.style.width = share(clearance ?? 0);
-    if (margin instanceof HTMLElement) margin.style.width = share(kept);
-    if (mark instanceof HTMLElement) mark.style.left = share(limit);
+    if (fill instanceof HTMLElement) fill.style.width = share(least?.value ?? 0);
+    if (margin instanceof HTMLElement) margin.style.width = share(least?.kept ?? 0);
+    if (mark instanceof HTMLElement) mark.style.left = share(least?.limit ?? 0);
   }
 
   private link(told: FrameTold, lost: boolean): void {
@@ -102,10 +109,10 @@ export class Panel {
     );
   }
 
-  private remember(told: FrameTold, limit: number, kept: number, lost: boolean): void {
+  private remember(told: FrameTold, least: Least | null, lost: boolean): void {
     const now = performance.now();
-    if (told.state && told.report && !lost && now - (this.past.at(-1)?.at ?? 0) > 100) {
-      this.past.push({ at: now, clearance: told.state.clearance, kept, trip: told.report.rtt_mean });
+    if (least && told.report && !lost && now - (this.past.at(-1)?.at ?? 0) > 100) {
+      this.past.push({ at: now, clearance: least.value, kept: least.kept, limit: least.limit, trip: told.report.rtt_mean });
       this.past = this.past.filter((each) => now - each.at < HISTORY_MS);
     }
     if (now - this.drawn < 200) return;
@@ -115,7 +122,7 @@ export class Panel {
     const most = Math.max(60, Math.min(300, Math.max(0, ...clearances)));
     chart(element<HTMLCanvasElement>("clearances"), ages, most, [
       { values: this.past.map((p) => p.kept * 1000), colour: "--slow", filled: true },
-      { values: this.past.map(() => limit * 1000), colour: "--stop", filled: false, silent: true },
+      { values: this.past.map((p) => p.limit * 1000), colour: "--stop", filled: false, silent: true },
       { values: clearances, colour: "--text", filled: false },
     ]);
     const trips = this.past.map((p) => (p.trip === null ? null : p.trip * 1000));

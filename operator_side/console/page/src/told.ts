@@ -13,6 +13,8 @@ export interface RobotState {
   mode: "run" | "hold" | "stopped" | "estop";
   reason: string;
   clearance: number;
+  /** Of the whole arm; null: not computed. */
+  arm_clearance?: number | null;
   /** The command that it applies. */
   applied_session: number;
   applied_seq: number;
