@@ -220,6 +220,19 @@ def test_a_key_that_is_held_while_the_page_loads_moves_nothing(desk):
     desk.stays_still()
 
 
+def test_a_key_that_is_still_held_after_the_page_hung_is_said_to_count_no_more(desk):
+    desk.presses()
+    desk.browser.hang(0.7)
+    desk.until(lambda: not desk.engaged, "it lets go")
+    said = "let go and press anew"
+    desk.until(lambda: said in desk.browser.text("sentence"), "it says so")
+    desk.pause.wait(3.5)  # longer than what is past is said
+    assert desk.browser.text("pill").lower() == "held"
+    assert desk.browser.text("sentence").startswith("Let go by itself")
+    desk.browser.key("KeyW", down=False)
+    desk.until(lambda: desk.browser.text("pill").lower() == "ready", "it is up")
+
+
 def test_a_second_page_watches_and_its_keys_move_nothing(desk):
     first = desk.browser.tab
     second = desk.browser.new_tab()

@@ -79,14 +79,18 @@ export class Controls {
     if (target instanceof HTMLInputElement && event.code.startsWith("Arrow")) return; // they move the slider
     event.preventDefault();
     if (performance.now() - event.timeStamp > OLD_MS) {
-      if (!event.repeat) this.seat.late(); // held up, as by a sleep: nobody may press it now
+      if (event.repeat) return;
+      this.hand.refuse(event.code); // held up, as by a sleep: nobody may press it now
+      this.seat.late();
       return;
     }
     this.press(event.code, act, event.repeat);
   }
 
   private press(source: string, act: Act, repeated: boolean): void {
-    if (this.seat.mine() && this.seat.mayBegin() && this.hand.down(source, act, repeated)) this.seat.steer(true);
+    const may = repeated || (this.seat.mine() && this.seat.mayBegin()); // a repetition is no press, but tells what is down
+    if (!may) this.hand.refuse(source);
+    else if (this.hand.down(source, act, repeated)) this.seat.steer(true);
   }
 
   private grip(source: string, six: Six): void {

@@ -69,3 +69,21 @@ test("two sources of one act are one, and the second goes on when the first is u
   hand.up("KeyW");
   assert.equal(hand.six[1], 1);
 });
+
+test("what is held down in vain is known until it is up, pressed anew or out of sight", () => {
+  const hand = new Hand();
+  hand.down("KeyW", "forward");
+  assert.equal(hand.inVain, false);
+  hand.letGo();
+  assert.equal(hand.inVain, true);
+  hand.up("KeyW");
+  assert.equal(hand.inVain, false);
+  hand.refuse("KeyW");
+  assert.equal(hand.down("KeyW", "forward"), true);
+  assert.equal(hand.inVain, false);
+  hand.letGo();
+  hand.forgetKeys();
+  assert.equal(hand.inVain, false);
+  hand.down("KeyW", "forward", true); // its repetition tells that it is down
+  assert.deepEqual([hand.inVain, hand.engaged], [true, false]);
+});

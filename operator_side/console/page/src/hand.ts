@@ -34,7 +34,12 @@ export class Hand {
 
   /** A key or button goes down; one that is down already, and a key's repetition, is no press. */
   down(source: string, act: Act, repeated = false): boolean {
-    if (repeated || this.held.has(source)) return false;
+    if (this.held.has(source)) return false;
+    if (repeated) {
+      this.refused.add(source); // down in truth, though it does not count
+      return false;
+    }
+    this.refused.delete(source);
     this.held.set(source, act);
     this.press += 1;
     return true;
@@ -48,8 +53,9 @@ export class Hand {
     return true;
   }
 
-  /** A grip that must not count, however long it lasts. */
+  /** A key or grip that must not count, however long it lasts. */
   refuse(source: string): void {
+    this.held.delete(source);
     this.grips.delete(source);
     this.refused.add(source);
   }
@@ -62,9 +68,18 @@ export class Hand {
   /** All at once: what is still held down in truth counts again only once it was up. */
   letGo(): boolean {
     const held = this.engaged;
-    this.held.clear();
-    for (const source of [...this.grips.keys()]) this.refuse(source);
+    for (const source of [...this.held.keys(), ...this.grips.keys()]) this.refuse(source);
     return held;
+  }
+
+  /** Where nobody hears whether a key goes up, as without the focus: what was down of them is not known any more. */
+  forgetKeys(): void {
+    for (const source of [...this.refused]) if (source in KEYS) this.refused.delete(source);
+  }
+
+  /** Whether something is held down that does not count, and nothing that does. */
+  get inVain(): boolean {
+    return this.refused.size > 0 && !this.engaged;
   }
 
   get engaged(): boolean {

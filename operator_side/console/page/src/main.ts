@@ -21,6 +21,8 @@ const SHOW_MS = 100;
 const SILENT_MS = 500;
 const BACK_MS = 3000;
 const CUT_MS = 250;
+const NOT_HEARD = "this page was not heard for a moment";
+const CHANGED = "what a press does was changed";
 const LATE_MS = 1500; // then its clocks are no good any more, as after a long sleep
 
 const hand = new Hand();
@@ -44,9 +46,10 @@ let step: Step | null = null;
 let heardAt = -Infinity;
 let received = false;
 let cutAt = -Infinity;
+let cutWhy = "";
 
 const wire = new Wire(BUILD, hear, (open, why) => {
-  letGo();
+  letGo("the connection to the console changed");
   refused = why;
   if (open && wasOpen) cameBack = clock();
   wasOpen ||= open;
@@ -71,7 +74,8 @@ function hear(message: Heard, at: number): void {
     toldAt = at;
     if (never && !document.hidden && message.driver === 0) wire.do("take");
     if (first) tell(); // presses count only some time after the first word
-    if (message.locked || message.driver !== message.you) letGo();
+    if (message.locked) letGo("driving was locked");
+    else if (message.driver !== message.you) letGo("this page does not drive any more");
     if (!message.late || hand.engaged) lateSince = at;
     else if (at - lateSince > LATE_MS) wire.again();
     noticeCut(message);
@@ -86,8 +90,7 @@ function hear(message: Heard, at: number): void {
 function noticeCut(message: FrameTold): void {
   if (isHeard() || !hand.engaged || message.heard !== hand.press || message.locked) heardAt = clock();
   else if (clock() - heardAt > CUT_MS) {
-    cutAt = clock();
-    letGo();
+    letGo(NOT_HEARD);
   }
 }
 
@@ -107,6 +110,7 @@ function steer(begins: boolean): void {
 
 function late(): void {
   cutAt = clock();
+  cutWhy = NOT_HEARD;
 }
 
 function predicted(report: NonNullable<FrameTold["report"]>): Place {
@@ -118,7 +122,7 @@ function tell(): void {
   const frame = chosen("frame") as Frame;
   const axes = hand.axes(frame);
   const scale = scaleFor(axes);
-  if (scale === 0) hand.letGo(); // the step is done: it holds, though the key be down
+  if (scale === 0 && hand.letGo()) cutWhy = "the step is done"; // it holds, though the key be down
   wire.steer({ engaged: hand.engaged, press: hand.press, ...axes, frame, view: stage.view, scale });
   world.wants(hand.engaged ? axes : null, frame, scale, stage.view);
 }
@@ -130,12 +134,21 @@ function scaleFor({ linear, angular }: Axes): number {
   return Math.min(wanted, share);
 }
 
-function letGo(): void {
-  if (hand.letGo()) steer(false);
+/** For a reason that is said for as long as the hand does not notice, and a moment longer. */
+function letGo(why: string): void {
+  if (!hand.letGo()) return;
+  cutAt = clock();
+  cutWhy = why;
+  steer(false);
+}
+
+function lookAway(): void {
+  letGo("the page was out of your hands");
+  hand.forgetKeys();
 }
 
 function estop(): void {
-  letGo();
+  letGo("the emergency stop");
   estopAt = clock();
   wire.do("estop");
   if (told) show();
@@ -153,10 +166,17 @@ function reasons(): FrameTold["reasons"] {
       camera: camera.locks,
       back: clock() - cameBack < BACK_MS && !hand.engaged,
       hint: controls.said,
-      cut: clock() - cutAt < BACK_MS && !hand.engaged,
+      ...lapse(),
     },
     told?.reasons ?? [],
   );
+}
+
+function lapse(): { cut: string; inVain: boolean } {
+  if (hand.engaged) cutWhy = "";
+  const inVain = hand.inVain && told?.driver === told?.you;
+  if (!inVain && clock() - cutAt > BACK_MS) cutWhy = "";
+  return { cut: cutWhy, inVain };
 }
 
 function show(): void {
@@ -216,13 +236,13 @@ addEventListener("keydown", (event) => {
   event.preventDefault();
   if (!event.repeat) estop();
 });
-for (const name of ["blur", "pagehide", "freeze"]) addEventListener(name, letGo);
+for (const name of ["blur", "pagehide", "freeze"]) addEventListener(name, lookAway);
 addEventListener("pagehide", () => wire.leave());
 addEventListener("pageshow", (event) => {
   if (event.persisted) location.reload(); // what a browser kept of a page that was left is old
 });
 document.addEventListener("visibilitychange", () => {
-  if (document.hidden) letGo();
+  if (document.hidden) lookAway();
 });
 element("estop").addEventListener("pointerdown", estop);
 element("estop").addEventListener("click", estop);
@@ -240,9 +260,9 @@ element("pill").addEventListener("click", () => {
   list.hidden = !list.hidden;
   element("pill").setAttribute("aria-expanded", String(!list.hidden));
 });
-for (const group of ["frames", "modes", "draw"]) element(group).addEventListener("change", letGo);
+for (const group of ["frames", "modes", "draw"]) element(group).addEventListener("change", () => letGo(CHANGED));
 element("withs").addEventListener("change", () => {
-  letGo();
+  letGo(CHANGED);
   element("pads").dataset.with = chosen("with");
 });
 element("scale").addEventListener("input", () => put("scale-out", `${element<HTMLInputElement>("scale").value} %`));
@@ -263,7 +283,8 @@ element<HTMLInputElement>(`with-${touch}`).checked = true;
 
 setInterval(() => {
   controls.poll();
-  if (hand.engaged && (isSilent() || camera.locks)) letGo();
+  if (hand.engaged && isSilent()) letGo(NOT_HEARD);
+  else if (hand.engaged && camera.locks) letGo("the camera showed nothing new");
   if (hand.engaged || clock() - saidAt > IDLE_MS) tell();
   camera.show(told !== null && told.locked !== "");
   if (clock() - shownAt < SHOW_MS) return;

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { pageReasons } from "./reason.ts";
 import type { Reason } from "./told.ts";
 
-const NOTHING = { refused: "", silent: null, camera: "", back: false, hint: "", cut: false };
+const NOTHING = { refused: "", silent: null, camera: "", back: false, hint: "", cut: "", inVain: false };
 const reason = (pill: string): Reason => ({ pill, what: pill, clears: "" });
 const pills = (found: Reason[]) => found.map((each) => each.pill);
 
@@ -18,4 +18,10 @@ test("a console that is silent knows nothing any more", () => {
 test("a frozen camera comes before what moves, and after what stops", () => {
   const known = { ...NOTHING, camera: "The camera frozen, 3 s." };
   assert.deepEqual(pills(pageReasons(known, [reason("e-stop"), reason("ready")])), ["e-stop", "held", "ready"]);
+});
+
+test("what is held down and does not count any more is said for as long as it is held, with what to do", () => {
+  const [first] = pageReasons({ ...NOTHING, cut: "this page was not heard for a moment", inVain: true }, [reason("ready")]);
+  assert.deepEqual([first?.pill, first?.what], ["held", "Let go by itself: this page was not heard for a moment; let go and press anew."]);
+  assert.match(pageReasons({ ...NOTHING, inVain: true }, [reason("ready")])[0]?.what ?? "", /does not count/);
 });

@@ -12,8 +12,10 @@ export interface Known {
   back: boolean;
   /** What gamepad or step have to say; empty: nothing. */
   hint: string;
-  /** Whether the console let go of what is held here, because it was not heard for a moment. */
-  cut: boolean;
+  /** Why what was held here was let go by itself, or did not begin; empty: it was not, or that is past. */
+  cut: string;
+  /** Whether something is still held down, and does not count any more. */
+  inVain: boolean;
 }
 
 export function pageReasons(known: Known, told: Reason[]): Reason[] {
@@ -35,7 +37,15 @@ export function pageReasons(known: Known, told: Reason[]): Reason[] {
       what: known.camera,
       clears: "It unlocks by itself when the camera moves again, or drive without it; then press anew.",
     });
-  if (known.cut) own.push({ pill: "held", what: "Let go by itself: this page was not heard for a moment.", clears: "Press anew." });
+  if (known.inVain)
+    own.push({
+      pill: "held",
+      what: known.cut
+        ? `Let go by itself: ${known.cut}; let go and press anew.`
+        : "What is held down does not count: let go and press anew.",
+      clears: "Let go, and press anew.",
+    });
+  else if (known.cut) own.push({ pill: "held", what: `Let go by itself: ${known.cut}.`, clears: "Press anew." });
   if (known.hint) own.push({ pill: "held", what: known.hint, clears: "" });
   if (known.back) own.push({ pill: "ready", what: "Connected again. Nothing moves until you press anew.", clears: "" });
   return [...worse, ...own, ...rest];
