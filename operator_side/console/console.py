@@ -77,7 +77,8 @@ class Console:
         self._short = self._following.note(picture.report, picture.state, picture.ages(now_ns)[1], now_ns)
         now = self._situation(now_ns)
         self.seat.lock(lost(now))
-        self._absence.note(unheard(now), now_ns, pressed=now.holds)
+        stopped = now.state is not None and now.state.mode in ("estop", "stopped")
+        self._absence.note(unheard(now), now_ns, pressed=now.holds, stopped=stopped)
         self._tell(now_ns)
 
     def hear(self, number: int, said: Ordered, now_ns: int) -> bool:

@@ -149,9 +149,9 @@ def _stopped(now: Situation) -> Iterator[Reason]:
         return
     if state.mode == "estop":
         where = f", on {now.stopped_by}" if now.stopped_by else ""
-        yield Reason("e-stop", f"Latched by the robot: {state.reason}{where}.", _ACKNOWLEDGE)
+        yield Reason("e-stop", f"{_again(now)}Latched by the robot: {state.reason}{where}.", _ACKNOWLEDGE)
     elif state.mode == "stopped":
-        yield Reason("stopped", f"Latched by the robot: {state.reason}.", _ACKNOWLEDGE)
+        yield Reason("stopped", f"{_again(now)}Latched by the robot: {state.reason}.", _ACKNOWLEDGE)
     if now.report is not None and "holds control" in now.report.stop_reason:
         yield Reason("taken", f"{now.report.stop_reason}.", "Its holder hands over, or gives control up.")
 
@@ -222,9 +222,7 @@ def _waiting(now: Situation) -> Iterator[Reason]:
     if now.holds or now.state is None or now.stopping or lost(now) or now.state.mode in ("estop", "stopped"):
         return
     if now.was_lost:
-        yield Reason(
-            "ready", f"Connected again after {now.was_lost:.1f} s. Nothing moves until you press anew."
-        )
+        yield Reason("ready", f"{_again(now)}Nothing moves until you press anew.")
     if not now.driver:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
     elif now.watches:
@@ -233,6 +231,11 @@ def _waiting(now: Situation) -> Iterator[Reason]:
         yield Reason("ready", f"{now.asks.capitalize()} asks for control.", "Hand over, or drive on.")
     else:
         yield Reason("ready", "Hold a key or a button to move; let go to stop.")
+
+
+def _again(now: Situation) -> str:
+    """That there is news again, where there was none until a moment ago."""
+    return f"Connected again after {now.was_lost:.1f} s. " if now.was_lost and not unheard(now) else ""
 
 
 def _along(report: ControlReport) -> float:

@@ -39,3 +39,13 @@ def test_the_first_news_is_no_return():
     absence.note(True, 0, pressed=False)
     absence.note(False, 3 * S, pressed=False)
     assert not absence.was_lost
+
+
+def test_a_stop_that_was_latched_meanwhile_keeps_it_until_it_is_acknowledged():
+    absence = back_after_three()
+    absence.note(False, 100 * S, pressed=False, stopped=True)
+    assert absence.was_lost == pytest.approx(3.0)
+    absence.note(False, 101 * S, pressed=False)
+    assert absence.was_lost
+    absence.note(False, 101 * S + SAID_FOR_NS, pressed=False)
+    assert not absence.was_lost

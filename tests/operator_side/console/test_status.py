@@ -50,6 +50,8 @@ def situation(**more):
         (situation(driver="page 1", stopping=True), "e-stop", "not confirmed"),
         (situation(driver="page 1", was_lost=3.2), "ready", "Connected again after 3.2 s. Nothing moves"),
         (situation(driver="page 1", holds=True), "run", "As asked"),
+        (situation(was_lost=3.2, state=state(mode="stopped", reason="x")), "stopped", "Connected again after 3.2 s. L"),
+        (situation(was_lost=3.2, state=state(mode="estop", reason="by o")), "e-stop", "Connected again after 3.2 s. L"),
         (situation(driver="page 1", holds=True, state_age=0.6), "link lost", "what the robot does now is not known"),
         (situation(driver="page 1", frozen=1.5), "held", "nothing new for 1.5 s. Driving is locked"),
         (situation(driver="page 1", holds=True, report_age=0.6), "link lost", "from the operator's program"),
