@@ -166,6 +166,28 @@ def test_the_least_of_tool_and_arm_is_shown_and_named(desk):
         operator.state, operator.report = {}, {}
 
 
+def test_no_number_outlives_the_pill_that_says_the_link_is_lost(desk):
+    browser, operator = desk.browser, desk.operator
+    desk.until(lambda: browser.text("link") == "slow", "the link is measured")
+    # All that stands on the page in one instant, the first in which the pill says so.
+    browser.run(
+        "window.first = null; new MutationObserver(() => { const pill = document.getElementById('pill').textContent;"
+        " if (pill !== 'link lost' || window.first) return; setTimeout(() => window.first = ['link', 'asked',"
+        " 'numbers', 'clearance-of'].map(id => document.getElementById(id).textContent), 0); })"
+        ".observe(document.getElementById('pill'), {childList: true});"
+    )
+    operator.silent = True
+    try:
+        desk.until(lambda: browser.run("return window.first"), "the link is lost")
+    finally:
+        operator.silent = False
+    link, *numbers = browser.run("return window.first")
+    assert link == "lost"
+    assert all(number.endswith("s ago") for number in numbers), numbers
+    desk.until(lambda: browser.text("link") == "slow", "it is heard again")
+    assert "ago" not in browser.text("numbers")
+
+
 def take(desk, name, file):
     browser = desk.browser
     for how in ("2d", "3d"):  # anew: three dimensions that stay slow are drawn coarser

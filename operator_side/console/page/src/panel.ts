@@ -11,7 +11,8 @@ const SPOKEN_MS = 4000; // numbers change all the time: who listens hears a new 
 
 interface Past {
   at: number;
-  clearance: number;
+  /** null: it was not known then. */
+  clearance: number | null;
   kept: number;
   limit: number;
   /** null: none is known. */
@@ -68,7 +69,8 @@ export class Panel {
     const { state, report } = told;
     const least = state ? leastOf(state, report, told.guard) : null;
     put("clearance", least ? (least.value * 1000).toFixed(0) : "–");
-    const lost = told.locked !== "" || silent !== null;
+    // At the same moment as a pill says so: numbers of before are no news.
+    const lost = told.locked !== "" || silent !== null || told.reasons.some((each) => each.pill === "link lost");
     const age = told.age === null ? null : told.age + (silent ?? 0);
     element("read").classList.toggle("old", lost);
     put("clearance-of", least ? clearanceText(least, nearest, lost ? age : null) : "mm");
@@ -77,8 +79,9 @@ export class Panel {
     put("margin", parts.includes("=") ? parts : "");
     this.bar(least);
     put("speed", state ? Math.hypot(...state.velocity).toFixed(2) : "–");
-    put("asked", report && state ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –");
-    this.link(told, lost);
+    const before = lost && age !== null ? `${age.toFixed(0)} s ago` : null;
+    put("asked", before ?? (report && state ? `of ${Math.hypot(...report.desired).toFixed(2)}` : "of –"));
+    this.link(told, lost, before);
     this.remember(told, least, lost);
   }
 
@@ -92,7 +95,7 @@ export class Panel {
     if (mark instanceof HTMLElement) mark.style.left = share(least?.limit ?? 0);
   }
 
-  private link(told: FrameTold, lost: boolean): void {
+  private link(told: FrameTold, lost: boolean, before: string | null): void {
     const { report } = told;
     const trip = report?.rtt_mean ?? null;
     const word =
@@ -104,7 +107,7 @@ export class Panel {
     put(
       "numbers",
       report && told.state
-        ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms\nloss ${report.loss === null ? "–" : `${(report.loss * 100).toFixed(1)} %`}`
+        ? `${ms(report.rtt_mean)} ± ${ms(report.rtt_std)} ms\nloss ${report.loss === null ? "–" : `${(report.loss * 100).toFixed(1)} %`}${before ? `, ${before}` : ""}`
         : "nothing heard",
     );
   }
@@ -113,15 +116,18 @@ export class Panel {
     const now = performance.now();
     if (least && told.report && !lost && now - (this.past.at(-1)?.at ?? 0) > 100) {
       this.past.push({ at: now, clearance: least.value, kept: least.kept, limit: least.limit, trip: told.report.rtt_mean });
-      this.past = this.past.filter((each) => now - each.at < HISTORY_MS);
+    } else if (lost && this.past.at(-1)?.clearance != null) {
+      const { kept, limit } = this.past[this.past.length - 1] as Past;
+      this.past.push({ at: now, clearance: null, kept, limit, trip: null }); // nothing is drawn over what nobody heard
     }
+    this.past = this.past.filter((each) => now - each.at < HISTORY_MS);
     if (now - this.drawn < 200) return;
     this.drawn = now;
     const ages = this.past.map((p) => 1 - (now - p.at) / HISTORY_MS);
-    const clearances = this.past.map((p) => p.clearance * 1000);
-    const most = Math.max(60, Math.min(300, Math.max(0, ...clearances)));
+    const clearances = this.past.map((p) => (p.clearance === null ? null : p.clearance * 1000));
+    const most = Math.max(60, Math.min(300, Math.max(0, ...clearances.map((each) => each ?? 0))));
     chart(element<HTMLCanvasElement>("clearances"), ages, most, [
-      { values: this.past.map((p) => p.kept * 1000), colour: "--slow", filled: true },
+      { values: this.past.map((p) => p.kept * 1000), colour: "--slow", filled: true, silent: lost },
       { values: this.past.map((p) => p.limit * 1000), colour: "--stop", filled: false, silent: true },
       { values: clearances, colour: "--text", filled: false },
     ]);
