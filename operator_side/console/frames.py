@@ -72,7 +72,7 @@ def frame(
     """What page `number` is told of one instant."""
     state, report = picture.state, picture.report
     page = seat.pages.get(number)
-    now = replace(now, watches=number != seat.driver)
+    now = replace(now, watches=number != seat.driver, you=page.name if page is not None else "")
     return {
         "kind": "frame",
         "stamp": now_ns // 1_000_000,

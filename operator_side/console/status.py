@@ -26,9 +26,10 @@ LEAST_PART = 5e-4
 """Of a margin, which is told in whole millimetres (m)."""
 
 _ACKNOWLEDGE = "Who drives acknowledges it, and presses anew."
+_PAGES = "Pages are numbered as they are opened, since the console began."
 _OUTAGE = "The outage that was asked for ends by itself. "
 
-Pill = Literal["ready", "run", "held", "slowed", "stopped", "e-stop", "link lost", "taken"]
+Pill = Literal["ready", "watching", "run", "held", "slowed", "stopped", "e-stop", "link lost", "taken"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,7 @@ class Situation:
     report_age, state_age: since they came (s).
     driver: name of the page that drives; empty: none does.
     watches: whether the page that is told of it is another one.
+    you: name of the page that is told of it.
     asks: name of a page that asks for control; empty: none does.
     holds: whether the driver holds something down.
     stopping: whether an emergency stop was asked for that the robot has not latched yet.
@@ -68,6 +70,7 @@ class Situation:
     state_age: float
     driver: str = ""
     watches: bool = False
+    you: str = ""
     asks: str = ""
     holds: bool = False
     stopping: bool = False
@@ -148,7 +151,8 @@ def _stopped(now: Situation) -> Iterator[Reason]:
     if state is None:
         return
     if state.mode == "estop":
-        where = f", on {now.stopped_by}" if now.stopped_by else ""
+        by = "this page" if now.stopped_by == now.you else now.stopped_by
+        where = f", on {by}" if by else ""
         yield Reason("e-stop", f"{_again(now)}Latched by the robot: {state.reason}{where}.", _ACKNOWLEDGE)
     elif state.mode == "stopped":
         yield Reason("stopped", f"{_again(now)}Latched by the robot: {state.reason}.", _ACKNOWLEDGE)
@@ -222,13 +226,22 @@ def _waiting(now: Situation) -> Iterator[Reason]:
     if now.holds or now.state is None or now.stopping or lost(now) or now.state.mode in ("estop", "stopped"):
         return
     if now.was_lost:
-        yield Reason("ready", f"{_again(now)}Nothing moves until you press anew.")
+        watches = now.watches and bool(now.driver)
+        who = f"{now.driver} presses" if watches else "you press"
+        yield Reason("watching" if watches else "ready", f"{_again(now)}Nothing moves until {who} anew.")
     if not now.driver:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
     elif now.watches:
-        yield Reason("ready", f"{now.driver.capitalize()} drives, you watch.", "Ask for control, to drive.")
+        you = f" on {now.you}" if now.you else ""
+        yield Reason(
+            "watching",
+            f"{now.driver.capitalize()} drives, you watch{you}.",
+            f"Ask for control, to drive. {_PAGES}",
+        )
     elif now.asks:
-        yield Reason("ready", f"{now.asks.capitalize()} asks for control.", "Hand over, or drive on.")
+        yield Reason(
+            "ready", f"{now.asks.capitalize()} asks for control.", f"Hand over, or drive on. {_PAGES}"
+        )
     else:
         yield Reason("ready", "Hold a key or a button to move; let go to stop.")
 

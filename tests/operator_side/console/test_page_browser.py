@@ -240,6 +240,12 @@ def test_a_second_page_watches_and_its_keys_move_nothing(desk):
         desk.browser.open(desk.url)
         desk.until(lambda: "drives" in desk.browser.text("driver"), "it watches")
         assert desk.browser.text("driver") != "you drive"
+        desk.until(lambda: desk.browser.text("pill").lower() == "watching", "its pill says so")
+        go = "const at = name => getComputedStyle(document.querySelector(name)).backgroundColor;"
+        ready = "const pill = document.getElementById('pill'); const mine = at('#pill'); pill.dataset.pill = 'ready';"
+        assert desk.browser.run(
+            f"{go} {ready} const other = at('#pill'); pill.dataset.pill = 'watching'; return mine !== other"
+        )
         desk.browser.key("KeyW")
         desk.stays_still()
     finally:

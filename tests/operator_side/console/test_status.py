@@ -25,6 +25,7 @@ WHY = msgspec.structs.replace(
 BEGINS = report(desired=(0.2, 0.0, 0.0), filtered=(0.05, 0.0, 0.0))
 BEGUN = Shortfall(0.0, 0.15, "m/s", lasting=False)
 STANDS, CRAWLS = (Shortfall(done, 0.15, "m/s", lasting=True) for done in (0.0, 0.03))
+ESTOP = state(mode="estop", reason="by o")
 EDGE = state(held_by="the edge of its reach")
 TURNED = msgspec.structs.replace(SLOWED, filtered=(0.15, 0.0, 0.13))
 
@@ -45,10 +46,12 @@ def situation(**more):
         (situation(report=report(stop_reason="anna holds control; waiting")), "taken", "anna"),
         (situation(), "ready", "Nobody drives"),
         (situation(driver="page 1"), "ready", "Hold a key"),
-        (situation(driver="page 1", watches=True, asks="page 2"), "ready", "Page 1 drives, you watch."),
+        (situation(driver="page 1", watches=True, asks="page 2"), "watching", "Page 1 drives, you watch."),
+        (situation(driver="page 1", watches=True, you="page 6"), "watching", "Page 1 drives, you watch on page 6."),
         (situation(driver="page 1", asks="page 2"), "ready", "Page 2 asks for control."),
         (situation(driver="page 1", stopping=True), "e-stop", "not confirmed"),
         (situation(driver="page 1", was_lost=3.2), "ready", "Connected again after 3.2 s. Nothing moves"),
+        (situation(driver="page 1", watches=True, was_lost=3.2), "watching", "Nothing moves until page 1 presses anew."),
         (situation(driver="page 1", holds=True), "run", "As asked"),
         (situation(was_lost=3.2, state=state(mode="stopped", reason="x")), "stopped", "Connected again after 3.2 s. L"),
         (situation(was_lost=3.2, state=state(mode="estop", reason="by o")), "e-stop", "Connected again after 3.2 s. L"),
@@ -68,7 +71,8 @@ def situation(**more):
         (situation(driver="page 1", holds=True, short=STANDS, state=EDGE), "held", "does not follow: the edge of its"),
         (situation(driver="page 1", holds=True, short=CRAWLS, state=EDGE), "slowed", "follows with 0.03 of 0.15"),
         (situation(driver="page 1", holds=True, report=WHY), "slowed", "limit 10, margin 24, of which network 9."),
-        (situation(state=state(mode="estop", reason="by o"), stopped_by="page 2"), "e-stop", "by o, on page 2."),
+        (situation(state=ESTOP, stopped_by="page 2", you="page 2"), "e-stop", "by o, on this page."),
+        (situation(state=ESTOP, stopped_by="page 2", you="page 3"), "e-stop", "by o, on page 2."),
     ],
 )  # fmt: skip
 def test_the_first_reason_is_the_pill(now, pill, words):
@@ -77,7 +81,9 @@ def test_the_first_reason_is_the_pill(now, pill, words):
     assert words in first.what
     assert bool(lost(now)) is (unheard(now) or now.frozen > 0)
     assert unheard(now) is (now.report is None or now.state is None or max(now.report_age, now.state_age) > 1)
-    if pill not in ("run", "ready"):
+    if now.watches and not now.was_lost:
+        assert "Pages are numbered as they are opened" in first.clears
+    if pill not in ("run", "ready", "watching"):
         assert first.clears
 
 

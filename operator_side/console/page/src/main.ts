@@ -222,6 +222,7 @@ function showSeat(told: FrameTold): void {
     label("seat", told.asking.some(([n]) => n === told.you) ? "Asked …" : "Ask for control", `${told.driver_name} drives`);
   else label("seat", "Take control", "nobody drives");
   put("driver", driving ? "you drive" : told.driver ? `${told.driver_name} drives` : "nobody drives");
+  element("driver").title = `this is page ${told.you} of those opened since the console began`;
 }
 
 function showStale(told: FrameTold): void {

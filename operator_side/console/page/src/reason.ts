@@ -47,6 +47,7 @@ export function pageReasons(known: Known, told: Reason[]): Reason[] {
     });
   else if (known.cut) own.push({ pill: "held", what: `Let go by itself: ${known.cut}.`, clears: "Press anew." });
   if (known.hint) own.push({ pill: "held", what: known.hint, clears: "" });
-  if (known.back) own.push({ pill: "ready", what: "Connected again. Nothing moves until you press anew.", clears: "" });
+  const pill = told.some((each) => each.pill === "watching") ? "watching" : "ready";
+  if (known.back) own.push({ pill, what: "Connected again. Nothing moves until somebody presses anew.", clears: "" });
   return [...worse, ...own, ...rest];
 }
