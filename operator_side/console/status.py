@@ -20,6 +20,8 @@ LESS = 0.9
 """Share of the asked speed, along what was asked, under which it counts as slowed."""
 NOT_ENGAGED = "device not engaged"
 """What the operator's program says of a hand that it does not hear."""
+FAR = 2.0
+"""Times what is kept: from there on it is not plain why something is near."""
 STILL = 1e-3
 """m/s"""
 LEAST_PART = 5e-4
@@ -179,7 +181,7 @@ def _changed(now: Situation) -> Iterator[Reason]:
         word = "Held" if done < STILL else "Slowed" if done < LESS * asked else "Turned aside"
         yield Reason(
             "held" if done < STILL else "slowed",
-            f"{word}{_near(now, report)}; {_kept(report)}.",
+            f"{word}{_near(now, report)}{_early(now, report)}; {_kept(report)}.",
             f"The way is free to the {report.free_side}."
             if report.free_side
             else "Move away from it, or along it.",
@@ -264,6 +266,12 @@ def _near(now: Situation, report: ControlReport) -> str:
             "" if report.clearance is None else f": tool {_mm(report.clearance)} mm from the nearest obstacle"
         )
     return f" by {report.binding}" if now.near is None else f": tool {_mm(now.near)} mm from {report.binding}"
+
+
+def _early(now: Situation, report: ControlReport) -> str:
+    """Why something far off is near: the speed towards it is limited by the way that is left."""
+    kept = report.inflation + report.sigma + (0.0 if report.limit is UNSET else report.limit)
+    return ", the nearer the slower" if now.near is not None and now.near > FAR * kept else ""
 
 
 def _kept(report: ControlReport) -> str:
