@@ -63,7 +63,7 @@ def situation(**more):
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "margin 24"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "limit 10, by the robot's guard"),
         (situation(driver="page 1", holds=True, report=SLOWED, near=0.031), "slowed", "tool 31 mm from ball"),
-        (situation(driver="page 1", holds=True, report=SLOWED, near=0.271), "slowed", "from ball, the nearer the slower;"),
+        (situation(driver="page 1", holds=True, report=SLOWED, near=0.271), "slowed", ", the nearer the slower;"),
         (situation(driver="page 1", holds=True, report=SLOWED, near=0.03), "slowed", "from ball; margin 24."),
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "Slowed by ball"),
         (situation(driver="page 1", holds=True, report=TURNED, near=0.05), "slowed", "Turned aside: tool 50 mm"),
