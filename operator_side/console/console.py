@@ -1,6 +1,7 @@
 """The console between its pages and the operator's program: told the time, it never waits."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from farhand.common.link.link import Link
@@ -47,6 +48,7 @@ class Console:
         self._absence, self._sight = Absence(to_ns(LOST_AFTER)), Sight()
         self._following = Following()
         self._short: Shortfall | None = None
+        self._idle_ns = 0
         self._camera_key = mirror_key(robot, "camera")
         self._model: tuple[str, RobotModel | None] = ("", None)
 
@@ -99,16 +101,18 @@ class Console:
         return frame(self.picture, self.seat, self._situation(now_ns), self.network, number, now_ns)
 
     def _situation(self, now_ns: int) -> Situation:
+        if not self.seat.holds(now_ns):
+            self._idle_ns = now_ns
         network = self.network
-        return situation(
+        now = situation(
             self.picture,
             self.seat,
             now_ns,
             frozen=self._sight.frozen(now_ns),
             outage=network is not None and network.outage,
             was_lost=self._absence.was_lost,
-            short=self._short,
         )
+        return replace(now, short=self._short, held_for=(now_ns - self._idle_ns) * 1e-9)
 
     def _change_network(self) -> None:
         change, self.seat.change = self.seat.change, None

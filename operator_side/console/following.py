@@ -25,7 +25,7 @@ class Shortfall:
     Attributes:
     done, sent: the measured speed along the sent one, and that one.
     unit: `m/s`, or `rad/s` where it is the turning.
-    lasting: whether it is longer than round trip and start-up explain.
+    lasting: whether nothing that was sent within round trip and start-up explains it.
     """
 
     done: float

@@ -8,7 +8,6 @@ import msgspec
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
-from farhand.operator_side.console.following import Shortfall
 from farhand.operator_side.console.nearness import tool_to
 from farhand.operator_side.console.network import NetworkTold
 from farhand.operator_side.console.picture import NEVER, Picture
@@ -38,9 +37,8 @@ def situation(
     outage: bool,
     frozen: float,
     was_lost: float,
-    short: Shortfall | None,
 ) -> Situation:
-    """What the status is made from; for the last four see there."""
+    """What the status is made from; for the last three see there."""
     report_age, state_age = picture.ages(now_ns)
     driver = seat.pages.get(seat.driver)
     return Situation(
@@ -57,7 +55,6 @@ def situation(
         was_lost=was_lost,
         near=tool_to(picture, picture.report.binding) if picture.report and picture.report.binding else None,
         stopped_by=seat.stopped_by,
-        short=short,
     )
 
 

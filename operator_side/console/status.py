@@ -22,6 +22,8 @@ NOT_ENGAGED = "device not engaged"
 """What the operator's program says of a hand that it does not hear."""
 FAR = 2.0
 """Times what is kept: from there on it is not plain why something is near."""
+TAKEN_WITHIN = 0.25
+"""From a press to the report that knows of it (s): two ticks of the slowest operator's program, and the way."""
 STILL = 1e-3
 """m/s"""
 LEAST_PART = 5e-4
@@ -63,6 +65,7 @@ class Situation:
     was_lost: for how long there had been no news, until a moment ago (s); 0: nothing of the kind.
     near: from the sphere around the tool to what binds (m); None: not known, or nothing binds.
     stopped_by: the page on which the emergency stop was asked for; empty: on none.
+    held_for: since when the driver holds what it holds (s).
     short: what the robot's own speed lacks of what was sent; None: nothing.
     """
 
@@ -81,6 +84,7 @@ class Situation:
     was_lost: float = 0.0
     near: float | None = None
     stopped_by: str = ""
+    held_for: float = 1e9
     short: Shortfall | None = None
 
 
@@ -198,13 +202,20 @@ def _changed(now: Situation) -> Iterator[Reason]:
             f"Turned at {turned:.2f} of {turns:.2f} rad/s, the most that is let.",
             "Turn more slowly.",
         )
-    if report.stop_reason == NOT_ENGAGED:
+    yield from _not_taken(now, report)
+    if report.held_by:
+        yield Reason("held", f"No progress: held by {report.held_by}.", "Drive or turn another way.")
+
+
+def _not_taken(now: Situation, report: ControlReport) -> Iterator[Reason]:
+    """Why the operator's program does not take what is held."""
+    if report.stop_reason == NOT_ENGAGED and now.held_for < TAKEN_WITHIN:
+        yield Reason("run", "Pressed; the operator's program has not said yet that it takes it.")
+    elif report.stop_reason == NOT_ENGAGED:
         yield Reason("held", "Let go by itself: the hand was not heard for a moment.", "Press anew.")
     elif report.stop_reason and report.mode != "run":
         what = f"{report.stop_reason[:1].upper()}{report.stop_reason[1:]}."
         yield Reason("held", what, "It goes on by itself once that is over.")
-    if report.held_by:
-        yield Reason("held", f"No progress: held by {report.held_by}.", "Drive or turn another way.")
 
 
 def _not_followed(now: Situation, state: RobotState) -> Iterator[Reason]:

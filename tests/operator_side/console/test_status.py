@@ -26,6 +26,7 @@ BEGINS = report(desired=(0.2, 0.0, 0.0), filtered=(0.05, 0.0, 0.0))
 BEGUN = Shortfall(0.0, 0.15, "m/s", lasting=False)
 STANDS, CRAWLS = (Shortfall(done, 0.15, "m/s", lasting=True) for done in (0.0, 0.03))
 ESTOP = state(mode="estop", reason="by o")
+UNHEARD = report(mode="hold", stop_reason=NOT_ENGAGED)
 EDGE = state(held_by="the edge of its reach")
 TURNED = msgspec.structs.replace(SLOWED, filtered=(0.15, 0.0, 0.13))
 
@@ -58,7 +59,8 @@ def situation(**more):
         (situation(driver="page 1", holds=True, state_age=0.6), "link lost", "what the robot does now is not known"),
         (situation(driver="page 1", frozen=1.5), "held", "nothing new for 1.5 s. Driving is locked"),
         (situation(driver="page 1", holds=True, report_age=0.6), "link lost", "from the operator's program"),
-        (situation(driver="page 1", holds=True, report=report(mode="hold", stop_reason=NOT_ENGAGED)), "held", "Let go"),
+        (situation(driver="page 1", holds=True, report=UNHEARD), "held", "Let go"),
+        (situation(driver="page 1", holds=True, report=UNHEARD, held_for=0.1), "run", "Pressed;"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "forearm 31 mm from ball"),
         (situation(driver="page 1", holds=True, report=SLOWED), "slowed", "margin 24"),
         (situation(driver="page 1", holds=True, state=state(guard=NEAR)), "slowed", "limit 10, by the robot's guard"),
