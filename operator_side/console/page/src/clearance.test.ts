@@ -18,7 +18,14 @@ test("a part that the guard names is named, where it says the same distance", ()
 
 test("the tool is compared with limit and margin, and is all there is where no arm is measured", () => {
   const least = leastOf({ clearance: 0.05, arm_clearance: 0.06 }, REPORT, null);
-  assert.deepEqual([least.part, least.other, Math.round(least.kept * 1000)], ["tool", "arm 60", 34]);
+  assert.deepEqual([least.part, least.other, Math.round((least.kept ?? 0) * 1000)], ["tool", "arm 60", 34]);
   assert.equal(keptOf(least, REPORT), "keeps 34 = limit 10 + margin 24");
   assert.deepEqual(leastOf({ clearance: 0.05, arm_clearance: null }, null, null).other, "");
+});
+
+test("a limit that nobody told is none, and not zero", () => {
+  const report = { inflation: 0.02, sigma: 0.004, limit: null };
+  const least = leastOf({ clearance: 0.172, arm_clearance: 0.013 }, report, null);
+  assert.deepEqual([least.kept, least.limit], [null, null]);
+  assert.equal(keptOf(least, report), "tool margin 24");
 });

@@ -4,6 +4,8 @@ import { element } from "./dom.ts";
 import type { Word } from "./world.ts";
 
 const TOP = 44; // px: what is chosen lies there
+const LEGEND = [162, 140] as const; // px, with the edge
+const CAMERA = [152, 160] as const;
 const UPRIGHT = matchMedia("(max-width: 760px)");
 
 type Project = (at: Vector3) => [number, number] | null;
@@ -16,7 +18,7 @@ export class Labels {
   show(words: Word[], project: Project): void {
     const { clientWidth: width, clientHeight } = this.parent.parentElement ?? this.parent;
     const height = UPRIGHT.matches ? element("pads").offsetTop : clientHeight; // sticks fill the width of a phone
-    const taken: [number, number, number, number][] = [];
+    const taken = [this.corner(width)];
     const shown = new Set<string>();
     for (const word of words) {
       const at = project(word.at);
@@ -31,6 +33,13 @@ export class Labels {
       each.span.style.transform = `translate(${x.toFixed(0)}px, ${y.toFixed(0)}px)`;
     }
     for (const [name, { span }] of this.spans) span.hidden = !shown.has(name);
+  }
+
+  /** What lies over the picture at its upper right: the legend, on a phone the camera. */
+  private corner(width: number): [number, number, number, number] {
+    const camera = element("camera").dataset.look !== "none";
+    const [across, down] = UPRIGHT.matches ? (camera ? CAMERA : [0, 0]) : LEGEND;
+    return [width - across, 0, width, down];
   }
 
   private span(word: Word): { span: HTMLSpanElement; width: number; height: number } {

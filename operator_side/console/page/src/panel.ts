@@ -13,11 +13,13 @@ interface Past {
   at: number;
   /** null: it was not known then. */
   clearance: number | null;
-  kept: number;
-  limit: number;
+  kept: number | null;
+  limit: number | null;
   /** null: none is known. */
   trip: number | null;
 }
+
+const millimetres = (metres: number | null): number | null => (metres === null ? null : metres * 1000);
 
 /** Whose clearance it is, to what where that is known; or how old it is. */
 function clearanceText(least: Least, nearest: string, age: number | null): string {
@@ -124,11 +126,11 @@ export class Panel {
     if (now - this.drawn < 200) return;
     this.drawn = now;
     const ages = this.past.map((p) => 1 - (now - p.at) / HISTORY_MS);
-    const clearances = this.past.map((p) => (p.clearance === null ? null : p.clearance * 1000));
-    const most = Math.max(60, Math.min(300, Math.max(0, ...clearances.map((each) => each ?? 0))));
+    const clearances = this.past.map((p) => millimetres(p.clearance));
+    const most = Math.max(60, 1.1 * Math.min(300, Math.max(0, ...clearances.map((each) => each ?? 0))));
     chart(element<HTMLCanvasElement>("clearances"), ages, most, [
-      { values: this.past.map((p) => p.kept * 1000), colour: "--slow", filled: true, silent: lost },
-      { values: this.past.map((p) => p.limit * 1000), colour: "--stop", filled: false, silent: true },
+      { values: this.past.map((p) => millimetres(p.kept)), colour: "--slow", filled: true, silent: lost },
+      { values: this.past.map((p) => millimetres(p.limit)), colour: "--stop", filled: false, silent: true },
       { values: clearances, colour: "--text", filled: false },
     ]);
     const trips = this.past.map((p) => (p.trip === null ? null : p.trip * 1000));

@@ -22,6 +22,8 @@ interface Pane {
   top: number;
   width: number;
   height: number;
+  /** Where its name stands, beside nothing that lies over it (px). */
+  named: number;
   middle: Point;
   scale: number;
 }
@@ -68,7 +70,7 @@ export class View2D implements View {
       pen.restore();
       pen.fillStyle = this.colour("dim");
       pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
-      pen.fillText(pane.name, pane.left + 12, pane.top + (pane.top > 0 ? 22 : CHOICES() - 2));
+      pen.fillText(pane.name, pane.left + 12, pane.named);
     }
     const side = this.panes[1];
     this.labels.show(world.words, (at) => (side ? at2(side, at) : null));
@@ -90,7 +92,7 @@ export class View2D implements View {
   private layOut(width: number, height: number, beside: boolean): Pane[] {
     const [w, h] = beside ? [width / 2, height] : [width, height / 2];
     const covered = UPRIGHT.matches && element("camera").dataset.look !== "none";
-    const top = (up: "y" | "z") => (covered && (beside || up === "y") ? 160 : CHOICES()); // px: what is chosen, and the pane's name
+    const top = (up: "y" | "z") => (covered && (beside || up === "y") ? 182 : CHOICES()); // px: what is chosen, and the pane's name
     const below = UPRIGHT.matches ? 156 : 130; // keys or sticks
     const room = (up: "y" | "z") => h - top(up) - (beside || up === "z" ? below : 8);
     const [x0 = 0, x1 = 1] = this.seen.x;
@@ -102,7 +104,8 @@ export class View2D implements View {
         left + slack - x0 * scale,
         above + top(up) + (room(up) - tall(up) * scale) / 2 + (this.seen[up][1] ?? 1) * scale,
       ];
-      return { name, up, left, top: above, width: w, height: h, scale, middle };
+      const named = above > 0 ? above + 22 : top(up) - 2;
+      return { name, up, left, top: above, width: w, height: h, named, scale, middle };
     };
     return [pane("from above", "y", 0, 0), pane("from its right side", "z", beside ? w : 0, beside ? 0 : h)];
   }
