@@ -243,8 +243,9 @@ def limit_of(story: Story) -> float | None:
 
 
 def period_of(story: Story) -> float | None:
-    """Of a tick (s)."""
-    return _number(story, "controller", "period")
+    """Of a tick (s): a step of a plan, where the operator has no rate of its own."""
+    rate_hz = _number(story, "operator", "rate_hz")
+    return 1.0 / rate_hz if rate_hz else _number(story, "controller", "period")
 
 
 def lateness(story: Story) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import state_key
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
+from farhand.report.figures import lateness, period_of
 from farhand.report.margin import additive, coverage, width_of
 from farhand.report.story import read_story
 from farhand.report.thinning import highest, thinned
@@ -27,10 +28,10 @@ INFO = RunInfo(
 TICK_NS = 100_000_000
 
 
-def told(reports, states=(), missing=()):
+def told(reports, states=(), missing=(), info=INFO):
     """The story of a run of these reports, and (tick, state) that arrived."""
     disk = ScriptedFile()
-    file = RunFile(None, INFO, file=disk)
+    file = RunFile(None, info, file=disk)
     for number, each in enumerate(reports):
         packets = tuple(
             (state_key("r"), (number + 1) * TICK_NS - 1, encode(s)) for tick, s in states if tick == number
@@ -71,6 +72,15 @@ def test_ticks_that_are_missing_are_told():
     story = told([report(n) for n in range(20)], missing={5, 6, 7})
     assert story.ticks.rows == 17
     assert any(line.startswith("3 ticks are missing 0.4 s after the first one") for line in story.lacks)
+
+
+def test_lateness_is_measured_against_the_operators_own_rate():
+    scenario = INFO.scenario | {"controller": {"period": 0.2}, "operator": {"rate_hz": 12.5}}
+    story = told([report(n) for n in range(3)], info=msgspec.structs.replace(INFO, scenario=scenario))
+    assert period_of(story) == pytest.approx(0.08)
+    assert lateness(story)[1] == pytest.approx([0.02, 0.02])
+    scenario["operator"] = {"rate_hz": None}
+    assert period_of(told([report(0)], info=msgspec.structs.replace(INFO, scenario=scenario))) == 0.2
 
 
 @pytest.mark.parametrize(
