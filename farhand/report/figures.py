@@ -5,14 +5,18 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.common.timing.clock import utc_words
+from farhand.foxglove.happenings import OVER_NS
 from farhand.report import sources
 from farhand.report.evidence import Evidence
 from farhand.report.margin import additive, coverage, width_of
 from farhand.report.settings import changed
+from farhand.report.spans import Span, joined, seconds_of
 from farhand.report.story import Story
 
 SCHEMA = "farhand-report-2"
 """Fields may be added; what one means, or that it goes, raises the number."""
+LASTING = ("hold", "wait", "stuck")
+"""Kinds of what is told by reason: several may be so at once, and one follows another."""
 
 
 class Spread(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,7 +73,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
             the margin of the tick before.
         prediction_error: (m).
         speed_asked, speed_done: while driving (m/s).
-        happened: times and seconds of each kind, as the operator's side was told of them.
+        happened: times and seconds of each kind, as the operator's side was told of them; what is so for two reasons
+            at once, as when the operator's side commands zero and the robot holds, is counted once.
         guard: times and seconds in which the guard acted, by the robot's own count; None: unknown, or it is off.
         stops, refused: that latched, and commands, as the robot counted or last told.
         filtered_ticks: ticks in which the filter intervened, by the operator's result.
@@ -283,11 +288,12 @@ def _why(run: Evidence) -> str:
 
 
 def _happened(story: Story) -> dict[str, tuple[int, float]]:
-    found: dict[str, tuple[int, float]] = {}
+    """What lasts is counted by its stretches, once where it was so for two reasons, else each by itself."""
+    spans: dict[str, list[Span]] = {}
     for each in story.happenings:
-        times, seconds = found.get(each.kind, (0, 0.0))
-        found[each.kind] = times + 1, seconds + (each.seen_ns - each.began_ns) * 1e-9
-    return dict(sorted(found.items()))
+        spans.setdefault(each.kind, []).append((story.since(each.began_ns), story.since(each.seen_ns)))
+    found = {kind: joined(s, OVER_NS * 1e-9) if kind in LASTING else s for kind, s in spans.items()}
+    return {kind: (len(stretches), seconds_of(stretches)) for kind, stretches in sorted(found.items())}
 
 
 def _loss(story: Story) -> float | None:

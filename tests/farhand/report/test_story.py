@@ -11,7 +11,8 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import state_key
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
-from farhand.report.figures import lateness, period_of
+from farhand.report.evidence import Evidence
+from farhand.report.figures import figures_of, lateness, period_of
 from farhand.report.margin import additive, coverage, width_of
 from farhand.report.story import read_story
 from farhand.report.thinning import highest, thinned
@@ -146,6 +147,17 @@ def test_waiting_before_the_first_drive_is_no_hold_and_standing_still_afterwards
         ("wait", "no state yet"),
         ("hold", "the network is silent"),
     ]
+
+
+def test_standing_still_is_counted_once_where_the_robot_holds_and_zero_is_commanded():
+    """2 s of zero for two reasons in turn, and the robot holds from 0.4 s after their beginning to 0.4 s after."""
+    reports = [
+        report(n, mode="run" if n < 5 or n > 25 else "hold", stop_reason="ab"[n % 2] if 5 <= n <= 25 else "")
+        for n in range(40)
+    ]
+    states = [(n, state(n, mode="hold" if 9 <= n < 29 else "run", reason="c")) for n in range(40)]
+    times, seconds = figures_of(Evidence("x", told(reports, states))).happened["hold"]
+    assert (times, seconds) == (1, pytest.approx(2.4, abs=0.05))
 
 
 def test_parts_that_are_alternatives_are_not_added_up():
