@@ -55,6 +55,15 @@ def test_a_recording_alone_knows_no_verdict(recorded):
     assert "this is the recording alone" in html
 
 
+def test_a_recording_alone_names_a_summary_where_there_is_one(folder, tmp_path):
+    def said():
+        return next(each for each in read_evidence(folder / "run.mcap").lacks if "recording alone" in each)
+
+    assert said().endswith(f"for these give the folder, {folder.name}, which has a summary.json")
+    (folder / "summary.json").unlink()
+    assert said().endswith("are not in it, and beside it is nothing that has them")
+
+
 def test_a_summary_of_another_run_is_left_out_and_told(folder, recorded):
     write_summary(msgspec.structs.replace(recorded[1].summary, seed=99), folder)
     found = read_evidence(folder)
