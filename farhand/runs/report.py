@@ -10,6 +10,7 @@ from farhand.common.process.called import called
 from farhand.netem.measure.result import DirectionCounts, NetemCounts
 from farhand.runs.files import RECORDING
 from farhand.runs.guard_words import guard_summary
+from farhand.runs.refusals import meaning
 from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
 
@@ -87,7 +88,7 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
         ("filter", _filter(summary)),
         ("guard", _guard(summary)),
         ("stops", _stops(summary)),
-        ("refused", f"{summary.refused} commands: {count_reasons(summary.refused_by.items())}"),
+        ("refused", _refused(summary)),
         ("scene", _scene(summary)),
         ("stood", _stood(summary)),
         ("follows", _follows(summary)),
@@ -96,15 +97,23 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
     return [(label, text) for label, text in rows if text and label not in left_out]
 
 
+def _refused(summary: RunSummary) -> str:
+    """How many commands, and a line for each reason."""
+    reasons = sorted(summary.refused_by.items())
+    lines = [f"{reason} {count}: {meaning(reason)}" for reason, count in reasons]
+    return "\n".join([f"{summary.refused} command{'s' if summary.refused != 1 else ''}", *lines])
+
+
 def _scene(summary: RunSummary) -> str:
     """Changes of the obstacles while it ran; empty: there were none."""
     robot = summary.counts.robot
     if robot is None or not (robot.scene_changes or robot.scene_refused):
         return ""
     refused = sum(robot.scene_refused.values())
-    told = f"changed {robot.scene_changes} times while it ran" if robot.scene_changes else "not changed"
+    times = "once" if robot.scene_changes == 1 else f"{robot.scene_changes} times"
+    told = f"changed {times} while it ran" if robot.scene_changes else "not changed"
     return (
-        f"{told}, {refused} requests refused: {count_reasons(robot.scene_refused.items())}"
+        f"{told}, {refused} request{'s' if refused > 1 else ''} refused: {count_reasons(robot.scene_refused.items())}"
         if refused
         else told
     )
@@ -214,7 +223,7 @@ def _stops(summary: RunSummary) -> str:
     if summary.stops and summary.acknowledges_itself:
         told.append("the steering device acknowledges stops itself")
     holds = summary.counts.robot.holds if summary.counts.robot is not None else 0
-    more = f", {holds} holds for want of commands" if holds else ""
+    more = f", {holds} hold{'s' if holds > 1 else ''} for want of commands" if holds else ""
     return f"{summary.stops}{more}" + (f": {'; '.join(told)}" if told else "")
 
 

@@ -1,9 +1,12 @@
 """What comes again and again is one row, with the reasons, how often and how long."""
 
+import re
+from pathlib import Path
+
 from farhand.report.evidence import Evidence
 from farhand.report.figures import Happened, figures_of
-from farhand.report.refusals import meaning
 from farhand.report.stretches import stretches
+from farhand.runs.refusals import MEANINGS, meaning
 from farhand.testing import report, state
 from tests.farhand.report.test_story import told
 
@@ -49,3 +52,23 @@ def test_refusals_are_one_row_with_counts_by_reason():
         f"held 1: {meaning('held')}",
     )
     assert last.lines == ("the robot refused 1 command:", f"stale 1: {meaning('stale')}")
+
+
+def test_every_reason_the_robot_has_is_explained_and_stands_in_the_document():
+    root = Path(__file__).parents[3]
+    page = (root / "docs" / "recordings.md").read_text()
+    assert all(f"| `{reason}` | {words} |" in page for reason, words in MEANINGS.items())
+    safety = root / "robot_side" / "safety"
+    given = set(
+        re.findall(r'(?:return|return stale or|else) "([a-z-]+)"', (safety / "watchdog.py").read_text())
+    )
+    assert given - {"acknowledged"} <= set(MEANINGS)
+    assert {
+        "foreign-session",
+        "held",
+        "old-seq",
+        "stale",
+        "too-fast",
+        "turns-too-fast",
+        "unseen-stop",
+    } <= given
