@@ -80,6 +80,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
         filtered_ticks: ticks in which the filter intervened, by the operator's result.
         round_trip, age, state_age: (s); loss: share of the states between the first and the last that never arrived.
         network: at the emulator, by direction; empty where not recorded.
+        emulator: messages and how many were lost by the emulator's own result, by direction; it has those as well that
+            came before and after what is recorded.
         period: of a tick (s); tick_late: how much later than a period after the one before (s); solve: (s).
         overruns: late ticks, as the operator counted.
         robot_loop: lateness of the robot's loop: p50, p99, max (s).
@@ -134,6 +136,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     state_age: Spread | None
     loss: float | None
     network: dict[str, Way]
+    emulator: dict[str, tuple[int, int]]
     period: float | None
     tick_late: Spread | None
     solve: Spread | None
@@ -210,6 +213,7 @@ def figures_of(run: Evidence) -> Figures:
             )
             for name, way in sorted(story.network.ways.items())
         },
+        emulator=sources.emulator_of(run),
         period=period_of(story),
         tick_late=spread(lateness(story)[1]) if info.clock == "real" else None,
         solve=spread(ticks["solve"][driving]) if ticks["solve"].any() else None,
