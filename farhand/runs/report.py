@@ -8,7 +8,7 @@ from rich.text import Text
 
 from farhand.common.process.called import called
 from farhand.netem.measure.result import DirectionCounts, NetemCounts
-from farhand.runs.files import RECORDING
+from farhand.runs.files import RECORDING, SUMMARY
 from farhand.runs.guard_words import guard_summary
 from farhand.runs.refusals import meaning
 from farhand.runs.summary import RunSummary, count_reasons, to_json
@@ -38,18 +38,27 @@ def print_outcome(
     drawn = _drawn_against_achieved(summary.counts.netem)
     if drawn:
         table.add_row("netem", drawn)
-    console.print(table)
+    _print_unpadded(table, console)
     if summary.slow:
         console.print(summary.slow, style="yellow", markup=False, highlight=False)
     if folder is not None and not (summary.safety_known and summary.end_known):
         _point_to_recording(folder, console)
     if folder is not None:
-        names = ["summary.json", *([figure.name] if figure else [])]
+        names = [SUMMARY, *([figure.name] if figure else [])]
+        names += [RECORDING] if (folder / RECORDING).is_file() else []
         console.print(
             Text.assemble(("results in ", "dim"), (f"{folder}/", "bold"), (f"  ({', '.join(names)})", "dim"))
         )
     if as_json:
         print(to_json(summary), flush=True)
+
+
+def _print_unpadded(table: Table, console: Console) -> None:
+    """Without the spaces by which a table fills its lines: they end in files and in what is copied."""
+    for segments in console.render_lines(table, pad=False):
+        line = Text.assemble(*((each.text, each.style or "") for each in segments))
+        line.rstrip()
+        console.print(line, highlight=False, soft_wrap=True)
 
 
 def _point_to_recording(folder: Path, console: Console) -> None:
