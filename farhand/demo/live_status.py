@@ -25,6 +25,7 @@ from farhand.operator_side.result import GOOD_STATUS
 from farhand.operator_side.standstill import side_words
 from farhand.runs.freshness import Freshness, Hearing, Picture
 from farhand.runs.guard_words import guard_words
+from farhand.runs.standing_words import standing_words
 from farhand.runs.units import milliseconds
 
 REFRESH_HZ = 10
@@ -88,7 +89,7 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
     chart = Text(sparkline(trail), style=robot_style or "cyan")
     grid.add_row("", chart, "stops", of_robot(str(report.stops)))
     grid.add_row("robot", _mode(report, shown), "filter", _filter(report, shown))
-    for line in (report.stop_reason, _held(report), report.guard and f"guard {guard_words(report.guard)}"):
+    for line in (_stands(report), _held(report), report.guard and f"guard {guard_words(report.guard)}"):
         if line:
             grid.add_row("", Text(line, style=own_style or "yellow"))
     return grid
@@ -135,8 +136,13 @@ def line(report: ControlReport | None, shown: Picture, elapsed: float) -> str:
         f"clearance {_mm(report.clearance)}  "
         f"{'was ' if report.safety and not shown.running else ''}{report.safety or 'no robot'}"
         f"{'  filter intervening' if report.intervening else ''}{guard}{held}"
-        f"{'  ' if report.stop_reason else ''}{report.stop_reason}"
+        f"{'  ' if report.stop_reason else ''}{_stands(report)}"
     )
+
+
+def _stands(report: ControlReport) -> str:
+    """Why zero is commanded; empty: it is not."""
+    return standing_words(report.stop_reason, done=0 < report.target_count <= report.target_index)
 
 
 def _held(report: ControlReport) -> str:

@@ -11,6 +11,7 @@ from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
 from farhand.foxglove.happenings import Happening
 from farhand.runs.guard_words import guard_words
+from farhand.runs.standing_words import standing_words
 
 
 @dataclass(slots=True)
@@ -132,7 +133,9 @@ class Deeds:
             elif each.kind == "guard":
                 self._explain_guard(each)
             elif each.kind == "stop":
-                waited = each.began_ns < first or (self._done and each.began_ns > last)
+                done = self._done and each.began_ns > last
+                waited = each.began_ns < first or done
+                each.words = standing_words(each.words, done=done)
                 each.kind = "wait" if waited else "hold"
             elif each.kind == "held":
                 each.kind = "stuck"

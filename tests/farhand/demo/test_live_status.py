@@ -112,6 +112,15 @@ def test_a_log_says_what_is_waited_for_then_drives_then_ages():
     assert len(lines) == 6
 
 
+def test_a_device_that_asks_for_nothing_is_explained():
+    for index, said in ((1, "nothing is asked of the robot"), (2, "all targets are reached")):
+        idle = {"stop_reason": "device not engaged", "target_index": index, "target_count": 2}
+        told = line(report(0, **DRIVING | idle), picture(Ages(0.1, 0.1), connected=True), 5.0)
+        assert told.endswith(f"device not engaged: {said}")
+        _, text = drawn(Ages(0.1, 0.1), **idle)
+        assert f"device not engaged: {said}" in " ".join(text.split())
+
+
 @pytest.mark.parametrize(
     ("session", "index", "said"),
     [
