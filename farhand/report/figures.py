@@ -248,13 +248,12 @@ def spread(values: Array) -> Spread | None:
 
 def limit_of(story: Story) -> float | None:
     """The distance to keep (m)."""
-    return _number(story, "controller", "d_min")
+    return story.info.kept
 
 
 def period_of(story: Story) -> float | None:
     """Of a tick (s): a step of a plan, where the operator has no rate of its own."""
-    rate_hz = _number(story, "operator", "rate_hz")
-    return 1.0 / rate_hz if rate_hz else _number(story, "controller", "period")
+    return story.info.tick_period
 
 
 def lateness(story: Story) -> tuple[Array, Array]:
@@ -265,12 +264,6 @@ def lateness(story: Story) -> tuple[Array, Array]:
     follows = np.diff(story.ticks["number"]) == 1
     late = np.maximum(0.0, np.round(np.diff(t)[follows] - period, 9))
     return t[1:][follows], late
-
-
-def _number(story: Story, section: str, key: str) -> float | None:
-    table = story.info.scenario.get(section)
-    value = table.get(key) if isinstance(table, dict) else None
-    return float(value) if isinstance(value, int | float) else None
 
 
 def _kind(story: Story, section: str) -> str:
