@@ -10,7 +10,7 @@ from farhand.robot_side.safety.watchdog import Watchdog
 
 LOOK_EVERY = 0.25
 _MEANINGS = {
-    "foreign-session": "another session holds control",
+    "foreign-session": "of a session that does not hold control",
     "held": "asks for control that another one holds",
     "late-release": "gives up control that it does not hold",
     "no-successor": "hands control over to one that does not wait for it",
@@ -21,6 +21,7 @@ _MEANINGS = {
     "stopped": "the robot is stopped and was not acknowledged",
     "unseen-stop": "acknowledges a stop that it had not seen",
     "too-fast": "faster than safety.max_speed",
+    "turns-too-fast": "turns faster than safety.max_angular_speed",
     "flood": "more at once than are looked at",
 }
 

@@ -9,6 +9,13 @@ from farhand.common.messages.scene import MAX_OBSTACLES, Obstacle
 
 SceneDeed = Literal["set", "add", "remove"]
 
+MOST_BYTES_ASKED = 48_000
+"""Of the obstacles of one request, and MOST_BYTES_LIVE of all after it: hulls of meshes and distances are computed in
+the robot's loop, which must not wait for them."""
+MOST_BYTES_LIVE = 128_000
+MOST_MOVERS = 100
+"""That a change may leave: each is moved at every tick."""
+
 
 class SceneRequest(Message, frozen=True, kw_only=True):
     """One change of a scene, sent again until it is answered in a Scene. A session asks for one change only.

@@ -65,8 +65,17 @@ class RunInfo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     @property
     def kept(self) -> float | None:
         """What the controller kept from obstacles, without the margin (m); None: the scenario does not say it."""
-        controller = self.scenario.get("controller")
-        found = controller.get("d_min") if isinstance(controller, dict) else None
+        return self._number("controller", "d_min")
+
+    @property
+    def tick_period(self) -> float | None:
+        """Of the operator's ticks (s): a step of a plan, where it has no rate of its own; None: it is not said."""
+        rate_hz = self._number("operator", "rate_hz")
+        return 1.0 / rate_hz if rate_hz else self._number("controller", "period")
+
+    def _number(self, section: str, key: str) -> float | None:
+        table = self.scenario.get(section)
+        found = table.get(key) if isinstance(table, dict) else None
         return float(found) if isinstance(found, int | float) else None
 
 

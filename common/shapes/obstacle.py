@@ -107,6 +107,10 @@ _DEFAULTS = tuple(
 )
 
 
+FARTHEST = 1e6
+"""m: no message says more of a place."""
+
+
 def moved(obstacle: Obstacle, seconds: float) -> Obstacle:
     """The same obstacle `seconds` later (s); the same object where it stands."""
     if not obstacle.moves:
@@ -124,6 +128,10 @@ def place(obstacle: Obstacle, seconds: float) -> tuple[Vector3, Vector3]:
     return way_of(obstacle)(seconds)
 
 
+def _within(metres: float) -> float:
+    return min(max(metres, -FARTHEST), FARTHEST)
+
+
 def way_of(obstacle: Obstacle) -> Way:
     """What `place` says of one obstacle, for those who ask often."""
     if obstacle.path:
@@ -131,4 +139,11 @@ def way_of(obstacle: Obstacle) -> Way:
         return lambda seconds: motion.at(phase + seconds)
     (x, y, z), (u, v, w) = obstacle.position, obstacle.velocity
     velocity = obstacle.velocity
-    return lambda seconds: ((x + seconds * u, y + seconds * v, z + seconds * w), velocity)
+
+    def straight(seconds: float) -> tuple[Vector3, Vector3]:
+        at = (x + seconds * u, y + seconds * v, z + seconds * w)
+        if max(map(abs, at)) > FARTHEST:  # no message holds more; nothing is near there
+            at = (_within(at[0]), _within(at[1]), _within(at[2]))
+        return at, velocity
+
+    return straight

@@ -12,6 +12,8 @@ from farhand.common.process.signals import PARENT_VARIABLE
 from farhand.common.timing.clock import SystemClock, to_ns
 
 PATIENCE = 1.5
+LONG_PATIENCE = 6.0
+"""For one that still has something to write, on a machine that is slow."""
 
 
 class Children:
@@ -20,11 +22,16 @@ class Children:
     Args:
         folder: where the logs go.
         clock: for the patience at the end.
+
+    Attributes:
+        running: all that were started, by name.
+        killed: those that did not end when asked, with how long they had (s).
     """
 
     def __init__(self, folder: Path, clock: SystemClock) -> None:
         self._folder, self._clock = folder, clock
         self.running: dict[str, subprocess.Popen[bytes]] = {}
+        self.killed: dict[str, float] = {}
 
     def start(self, name: str, arguments: Sequence[str]) -> None:
         """Start `farhand ARGUMENTS`; the kernel ends it should this process die."""
@@ -43,33 +50,35 @@ class Children:
         found = {name: p.returncode for name, p in self.running.items() if p.poll() is not None}
         return {name: code for name, code in found.items() if name not in beside}
 
-    def wait_all(self, timeout: float) -> bool:
-        """Whether all have ended within `timeout` s."""
-        deadline_ns = self._clock.now_ns() + to_ns(timeout)
-        for process in self.running.values():
-            try:
-                process.wait(max(0.0, (deadline_ns - self._clock.now_ns()) * 1e-9))
-            except subprocess.TimeoutExpired:
-                return False
-        return True
-
     def wait_for(self, name: str) -> None:
         """Give one that ends by itself the time for it (1.5 s)."""
-        process = self.running.get(name)
-        if process is not None:
-            with suppress(subprocess.TimeoutExpired):
-                process.wait(PATIENCE)
+        if name in self.running:
+            self._wait([name], PATIENCE)
 
-    def stop(self) -> None:
-        """End all of them: asked first, made to after 1.5 s."""
-        for process in self.running.values():
-            if process.poll() is None:
+    def ask(self, *, beside: Collection[str] = ()) -> None:
+        """Ask all but some to end."""
+        for name, process in self.running.items():
+            if name not in beside and process.poll() is None:
                 process.send_signal(signal.SIGTERM)
-        if not self.wait_all(PATIENCE):
-            for process in self.running.values():
-                if process.poll() is None:
-                    process.kill()
-            self.wait_all(PATIENCE)
+
+    def stop(self, *, patient: Collection[str] = ()) -> None:
+        """End all of them: asked first, made to after 1.5 s, or after 6 s where one still has something to write."""
+        self.ask()
+        others = [name for name in self.running if name not in patient]
+        for names, patience in ((others, PATIENCE), ([*patient], LONG_PATIENCE)):
+            late = self._wait([name for name in names if name in self.running], patience)
+            for name in late:
+                self.killed[name] = patience
+                self.running[name].kill()
+            self._wait(late, PATIENCE)
+
+    def _wait(self, names: Collection[str], timeout: float) -> list[str]:
+        """Those that have not ended within `timeout` s."""
+        deadline_ns = self._clock.now_ns() + to_ns(timeout)
+        for name in names:
+            with suppress(subprocess.TimeoutExpired):
+                self.running[name].wait(max(0.0, (deadline_ns - self._clock.now_ns()) * 1e-9))
+        return [name for name in names if self.running[name].poll() is None]
 
     def has_said(self, name: str, words: str) -> bool:
         """Whether a line of a child's log begins with these words, behind the child's name."""

@@ -16,7 +16,7 @@ from farhand.demo.children import Children
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.devices.sources import SOURCES, check_library
-from farhand.programs.command_line import ConsoleWords
+from farhand.programs.command_line import ConsoleWords, NetemWords
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud
 from farhand.report.write import conclude_report
 from farhand.runs.conclude import conclude
@@ -107,9 +107,10 @@ def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, vie
     finally:
         if reader is not None:
             reader.close()
-        if not stop_event.is_set():
-            children.wait_for(RECORD)  # it ends with the operator's program, and has its last words then
-        children.stop()
+        if stop_event.is_set():
+            children.ask(beside=(RECORD, NetemWords.COMMAND))
+        children.wait_for(RECORD)  # it ends with the operator's program, and asks the emulator once more then
+        children.stop(patient=(RECORD,))
     recorded = children.ended().get(RECORD, 0)
     note = _how(RECORD, recorded, children) if recorded else ""
     return _End(INTERRUPTED if stop_event.is_set() else _what_died(cast, gone, children), note)
@@ -125,6 +126,9 @@ def _what_died(cast: Cast, ended: dict[str, int], children: Children) -> str:
 
 
 def _how(name: str, code: int, children: Children) -> str:
+    patience = children.killed.get(name)
+    if patience is not None:
+        return f"the {name} program did not end within {patience:g} s of being asked to, and was killed"
     how = f"killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
     words = children.last_words(name)
     return f"the {name} program was {how}" + (f": {words}" if words and code > 0 else "")

@@ -15,8 +15,9 @@ from rich.text import Text
 
 from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.codec import Decoder
+from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.intervention import Intervention
-from farhand.common.messages.keys import check_robot_name, report_key
+from farhand.common.messages.keys import check_robot_name, command_key, kind_of, mirror_key, report_key
 from farhand.common.messages.report import ControlReport
 from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
@@ -24,6 +25,7 @@ from farhand.operator_side.result import GOOD_STATUS
 from farhand.operator_side.standstill import side_words
 from farhand.runs.freshness import Freshness, Hearing, Picture
 from farhand.runs.guard_words import guard_words
+from farhand.runs.standing_words import standing_words
 from farhand.runs.units import milliseconds
 
 REFRESH_HZ = 10
@@ -54,7 +56,7 @@ def render(
 
 def _told(shown: Picture) -> Text:
     """What people must be told, loudly where somebody is gone."""
-    gone = Freshness.GONE in (shown.operator, shown.robot)
+    gone = Freshness.GONE in (shown.operator, shown.robot) and not shown.ended
     return Text(shown.said, style="bold white on red" if gone else "yellow")
 
 
@@ -87,7 +89,7 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
     chart = Text(sparkline(trail), style=robot_style or "cyan")
     grid.add_row("", chart, "stops", of_robot(str(report.stops)))
     grid.add_row("robot", _mode(report, shown), "filter", _filter(report, shown))
-    for line in (report.stop_reason, _held(report), report.guard and f"guard {guard_words(report.guard)}"):
+    for line in (_stands(report), _held(report), report.guard and f"guard {guard_words(report.guard)}"):
         if line:
             grid.add_row("", Text(line, style=own_style or "yellow"))
     return grid
@@ -134,8 +136,13 @@ def line(report: ControlReport | None, shown: Picture, elapsed: float) -> str:
         f"clearance {_mm(report.clearance)}  "
         f"{'was ' if report.safety and not shown.running else ''}{report.safety or 'no robot'}"
         f"{'  filter intervening' if report.intervening else ''}{guard}{held}"
-        f"{'  ' if report.stop_reason else ''}{report.stop_reason}"
+        f"{'  ' if report.stop_reason else ''}{_stands(report)}"
     )
+
+
+def _stands(report: ControlReport) -> str:
+    """Why zero is commanded; empty: it is not."""
+    return standing_words(report.stop_reason, done=0 < report.target_count <= report.target_index)
 
 
 def _held(report: ControlReport) -> str:
@@ -215,14 +222,16 @@ class StatusView:
         """One line above the status."""
         self._console.print(text, style="dim", markup=False, highlight=False, soft_wrap=True)
 
-    def update(self, reports: Iterable[Arrived], now_ns: int, connected: bool) -> None:
+    def update(self, reports: Iterable[Arrived], now_ns: int, connected: bool, released: int = 0) -> None:
         """Show what may be shown at `now_ns`.
 
         Args:
             reports: that came since the last call.
             now_ns: on the clock that stamped their arrival.
             connected: whether the reader is connected to the operator's program.
+            released: session of an operator that gave control up to nobody, as it does when it ends; 0: none did.
         """
+        self._hearing.released = released
         if self._start_ns is None:
             self._start_ns = now_ns
         for arrived in reports:
@@ -266,15 +275,28 @@ class ReportReader:
         connect: the operator's report endpoint.
         name: the robot's name.
         clock: of this process.
+
+    Attributes:
+        released: session that gave control up to nobody, as an operator's program does when it ends; 0: none did.
     """
 
     def __init__(self, connect: str, name: str, clock: SystemClock) -> None:
-        self.link = ZenohLink(open_session([connect]), [report_key(name)], clock)
+        self._commands = mirror_key(name, kind_of(command_key(name)))
+        self.link = ZenohLink(open_session([connect]), [report_key(name), self._commands], clock)
         self._decoder = Decoder(ControlReport)
+        self._command_decoder = Decoder(VelocityCommand)
+        self.released = 0
 
     def read(self) -> list[Arrived]:
         """Reports since the last call."""
-        packets = self.link.receive()
+        packets = []
+        for packet in self.link.receive():
+            if packet.key != self._commands:
+                packets.append(packet)
+                continue
+            command = self._command_decoder.decode(packet.payload)
+            if command is not None and command.mode == "release" and not command.successor:
+                self.released = command.session
         found = [(self._decoder.decode(packet.payload), packet.arrived_ns) for packet in packets]
         return [Arrived(report, at_ns) for report, at_ns in found if report is not None]
 
@@ -297,7 +319,7 @@ def watch_operator(connect: str, name: str) -> int:
     try:
         with StatusView(f"{name} at {connect}", Console(file=sys.stdout, markup=False)) as view:
             while not stop_event.wait(1.0 / REFRESH_HZ):
-                view.update(reader.read(), clock.now_ns(), reader.connected())
+                view.update(reader.read(), clock.now_ns(), reader.connected(), reader.released)
     finally:
         reader.close()
     return 0

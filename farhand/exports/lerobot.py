@@ -309,9 +309,8 @@ def _look(run: Run) -> _Look:
 
 
 def _fps(source: Source) -> float:
-    controller = source.info.scenario.get("controller")
-    period = controller.get("period") if isinstance(controller, dict) else None
-    if not isinstance(period, (int, float)) or not 0.0 < period < 10.0:
+    period = source.info.tick_period
+    if period is None or not 0.0 < period < 10.0:
         raise RunFileError(
             f"run {source.run.path}: its scenario has no controller.period; that is the rate of ticks"
         )

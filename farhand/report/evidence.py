@@ -41,14 +41,22 @@ def read_evidence(run: Path) -> Evidence:
     folder = run.resolve() if run.is_dir() else None
     found = Evidence(name=_name(run.resolve()), story=story)
     if folder is None:
-        found.lacks.append(
-            "this is the recording alone: whether the run was safe by the robot's own count, and the robot's loop, "
-            f"stand in the folder's {SUMMARY}"
-        )
+        found.lacks.append(_alone(run.resolve()))
     else:
         _read_summary(found, folder)
     found.lacks = [*story.lacks, *found.lacks]
     return found
+
+
+def _alone(recording: Path) -> str:
+    """What a recording cannot tell, and where it stands, if anywhere."""
+    lacks = "this is the recording alone: whether the run was safe by the robot's own count, and the robot's loop, "
+    folder = recording.parent
+    if recording.name == RECORDING:
+        for name in (SUMMARY, ROBOT):
+            if (folder / name).is_file():
+                return f"{lacks}are not in it; for these give the folder, {folder.name}, which has a {name}"
+    return f"{lacks}are not in it, and beside it is nothing that has them"
 
 
 def _name(run: Path) -> str:

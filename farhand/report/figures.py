@@ -5,14 +5,18 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.common.timing.clock import utc_words
+from farhand.foxglove.happenings import OVER_NS
 from farhand.report import sources
 from farhand.report.evidence import Evidence
 from farhand.report.margin import additive, coverage, width_of
 from farhand.report.settings import changed
+from farhand.report.spans import Span, joined, seconds_of
 from farhand.report.story import Story
 
 SCHEMA = "farhand-report-2"
 """Fields may be added; what one means, or that it goes, raises the number."""
+LASTING = ("hold", "wait", "stuck")
+"""Kinds of what is told by reason: several may be so at once, and one follows another."""
 
 
 class Spread(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,12 +73,15 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
             the margin of the tick before.
         prediction_error: (m).
         speed_asked, speed_done: while driving (m/s).
-        happened: times and seconds of each kind, as the operator's side was told of them.
+        happened: times and seconds of each kind, as the operator's side was told of them; what is so for two reasons
+            at once, as when the operator's side commands zero and the robot holds, is counted once.
         guard: times and seconds in which the guard acted, by the robot's own count; None: unknown, or it is off.
         stops, refused: that latched, and commands, as the robot counted or last told.
         filtered_ticks: ticks in which the filter intervened, by the operator's result.
         round_trip, age, state_age: (s); loss: share of the states between the first and the last that never arrived.
         network: at the emulator, by direction; empty where not recorded.
+        emulator: messages and how many were lost by the emulator's own result, by direction; it has those as well that
+            came before and after what is recorded.
         period: of a tick (s); tick_late: how much later than a period after the one before (s); solve: (s).
         overruns: late ticks, as the operator counted.
         robot_loop: lateness of the robot's loop: p50, p99, max (s).
@@ -129,6 +136,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     state_age: Spread | None
     loss: float | None
     network: dict[str, Way]
+    emulator: dict[str, tuple[int, int]]
     period: float | None
     tick_late: Spread | None
     solve: Spread | None
@@ -205,6 +213,7 @@ def figures_of(run: Evidence) -> Figures:
             )
             for name, way in sorted(story.network.ways.items())
         },
+        emulator=sources.emulator_of(run),
         period=period_of(story),
         tick_late=spread(lateness(story)[1]) if info.clock == "real" else None,
         solve=spread(ticks["solve"][driving]) if ticks["solve"].any() else None,
@@ -239,12 +248,12 @@ def spread(values: Array) -> Spread | None:
 
 def limit_of(story: Story) -> float | None:
     """The distance to keep (m)."""
-    return _number(story, "controller", "d_min")
+    return story.info.kept
 
 
 def period_of(story: Story) -> float | None:
-    """Of a tick (s)."""
-    return _number(story, "controller", "period")
+    """Of a tick (s): a step of a plan, where the operator has no rate of its own."""
+    return story.info.tick_period
 
 
 def lateness(story: Story) -> tuple[Array, Array]:
@@ -255,12 +264,6 @@ def lateness(story: Story) -> tuple[Array, Array]:
     follows = np.diff(story.ticks["number"]) == 1
     late = np.maximum(0.0, np.round(np.diff(t)[follows] - period, 9))
     return t[1:][follows], late
-
-
-def _number(story: Story, section: str, key: str) -> float | None:
-    table = story.info.scenario.get(section)
-    value = table.get(key) if isinstance(table, dict) else None
-    return float(value) if isinstance(value, int | float) else None
 
 
 def _kind(story: Story, section: str) -> str:
@@ -282,11 +285,12 @@ def _why(run: Evidence) -> str:
 
 
 def _happened(story: Story) -> dict[str, tuple[int, float]]:
-    found: dict[str, tuple[int, float]] = {}
+    """What lasts is counted by its stretches, once where it was so for two reasons, else each by itself."""
+    spans: dict[str, list[Span]] = {}
     for each in story.happenings:
-        times, seconds = found.get(each.kind, (0, 0.0))
-        found[each.kind] = times + 1, seconds + (each.seen_ns - each.began_ns) * 1e-9
-    return dict(sorted(found.items()))
+        spans.setdefault(each.kind, []).append((story.since(each.began_ns), story.since(each.seen_ns)))
+    found = {kind: joined(s, OVER_NS * 1e-9) if kind in LASTING else s for kind, s in spans.items()}
+    return {kind: (len(stretches), seconds_of(stretches)) for kind, stretches in sorted(found.items())}
 
 
 def _loss(story: Story) -> float | None:

@@ -5,6 +5,7 @@ from html import escape
 
 from farhand.foxglove.happenings import Happening
 from farhand.report.story import Story
+from farhand.report.stretches import Stretch
 from farhand.report.svg import INNER, LEFT, RIGHT, WIDTH
 
 KINDS = {
@@ -45,14 +46,14 @@ def definition(name: str, found: Bands) -> str:
     return f'<svg class="defs" aria-hidden="true"><defs><g id="{name}">{paths}</g></defs></svg>'
 
 
-def strip(story: Story, span: tuple[float, float], prefix: str, told: Sequence[int]) -> str:
+def strip(story: Story, span: tuple[float, float], prefix: str, told: Sequence[Stretch]) -> str:
     """A row for each kind; what is in the table is a link to its line.
 
     Args:
         story: of the run.
         span: of time (s).
         prefix: of the lines' ids.
-        told: which happenings are in the table.
+        told: what is in the table.
     """
     shown = [kind for kind in KINDS if any(each.kind == kind for each in story.happenings)]
     if not shown:
@@ -69,23 +70,25 @@ def strip(story: Story, span: tuple[float, float], prefix: str, told: Sequence[i
         data = "".join(f"M{a:.1f} {y + 1:g}H{b:.1f}v{ROW - 4:g}H{a:.1f}Z" for a, b in found[kind])
         out.append(f'<path class="mark {kind}" d="{data}"/>')
     if len(told) <= MOST_LINKS:
-        for number in told:
-            each = story.happenings[number]
+        for each in told:
             if each.kind in shown:
-                begin, end = _place(story, each, span)
+                begin, end = _at(each.begin, each.end, span)
                 y = 1 + shown.index(each.kind) * ROW
                 out.append(
-                    f'<a href="#{prefix}{number + 1}"><rect class="hit" x="{begin:.1f}" y="{y:g}" '
-                    f'width="{end - begin:.1f}" height="{ROW:g}"><title>{escape(each.words)}</title></rect></a>'
+                    f'<a href="#{prefix}{each.number + 1}"><rect class="hit" x="{begin:.1f}" y="{y:g}" '
+                    f'width="{end - begin:.1f}" height="{ROW:g}"><title>{escape(chr(10).join(each.lines))}</title>'
+                    "</rect></a>"
                 )
     out.append("</svg>")
     return "".join(out)
 
 
 def _place(story: Story, each: Happening, span: tuple[float, float]) -> tuple[float, float]:
+    return _at(story.since(each.began_ns), story.since(each.seen_ns), span)
+
+
+def _at(begin: float, end: float, span: tuple[float, float]) -> tuple[float, float]:
+    """(from, to) of a time in px."""
     length = max(span[1] - span[0], 1e-9)
-    begin, end = (
-        LEFT + min(1.0, max(0.0, (story.since(at) - span[0]) / length)) * INNER
-        for at in (each.began_ns, each.seen_ns)
-    )
-    return begin, max(end, begin + LEAST)
+    left, right = (LEFT + min(1.0, max(0.0, (at - span[0]) / length)) * INNER for at in (begin, end))
+    return left, max(right, left + LEAST)

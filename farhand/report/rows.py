@@ -78,6 +78,16 @@ def _coverage(found: Figures) -> str:
     return f"in {share(held)} of {judged} ticks"
 
 
+def _lost(found: Figures, name: str) -> str:
+    """As recorded; beside it the emulator's own count, where that is another one."""
+    way, counted = found.network.get(name), found.emulator.get(name)
+    if counted is None or (way is not None and counted == (way.messages, sum(way.lost.values()))):
+        return lost(way)
+    messages, gone = counted
+    said = f"{gone or 'none'} of {messages} as the emulator counted from its start to its end"
+    return f"{said}; not recorded" if way is None else f"{said}; of those recorded {lost(way)}"
+
+
 def _delay(found: Figures, way: str) -> str:
     known = found.network.get(way)
     return spread_ms(known.delay) if known is not None else "not recorded"
@@ -121,8 +131,8 @@ LINK: Sequence[Row] = (
     ("oldest command without an answer", lambda f: spread_ms(f.age)),
     ("age of the newest state", lambda f: spread_ms(f.state_age)),
     ("states that never arrived", lambda f: share(f.loss)),
-    ("lost in the emulator, uplink", lambda f: lost(f.network.get("uplink"))),
-    ("lost in the emulator, downlink", lambda f: lost(f.network.get("downlink"))),
+    ("lost in the emulator, uplink", lambda f: _lost(f, "uplink")),
+    ("lost in the emulator, downlink", lambda f: _lost(f, "downlink")),
     ("delay in the emulator, uplink", lambda f: _delay(f, "uplink")),
     ("delay in the emulator, downlink", lambda f: _delay(f, "downlink")),
 )

@@ -78,6 +78,15 @@ def stops_of(run: Evidence) -> int | None:
     return last.stops if last is not None and last.states else None
 
 
+def emulator_of(run: Evidence) -> dict[str, tuple[int, int]]:
+    """Messages with copies, and how many were lost, by direction; empty: it left no result."""
+    netem = run.summary.counts.netem if run.summary is not None else None
+    if netem is None:
+        return {}
+    ways = {"downlink": netem.downlink, "uplink": netem.uplink}
+    return {name: (way.received + way.duplicated, sum(way.dropped.values())) for name, way in ways.items()}
+
+
 def refused_of(run: Evidence) -> int | None:
     """Commands that the robot refused."""
     if run.robot is not None:

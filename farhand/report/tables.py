@@ -7,6 +7,7 @@ from farhand.report.evidence import Evidence
 from farhand.report.figures import Figures
 from farhand.report.rows import Row
 from farhand.report.settings import differing
+from farhand.report.stretches import Stretch, stretches
 from farhand.report.words import value
 from farhand.runs.guard_words import guard_summary
 
@@ -64,33 +65,28 @@ def differences(first: Evidence, second: Evidence) -> str:
     return f'<div class="wide"><table><tr><th>setting</th>{names}</tr>{rows}</table></div>'
 
 
-def told(found: Figures) -> list[int]:
-    """Which events are in the table: all, or the gravest and the longest, in order."""
-    events = found.events
-    if len(events) <= MOST_EVENTS:
-        return list(range(len(events)))
-    weighed = sorted(
-        range(len(events)), key=lambda k: (events[k].kind not in BEFORE_ALL, events[k].begin - events[k].end)
-    )
-    return sorted(weighed[:MOST_EVENTS])
+def told(found: Figures) -> list[Stretch]:
+    """What is in the table: all, or the gravest and the longest, in order."""
+    all_of_them = stretches(found.events)
+    weighed = sorted(all_of_them, key=lambda each: (each.kind not in BEFORE_ALL, each.begin - each.end))
+    return sorted(weighed[:MOST_EVENTS], key=lambda each: each.number)
 
 
-def events(found: Figures, shown: Sequence[int], prefix: str) -> str:
-    """A line for each event."""
+def events(found: Figures, shown: Sequence[Stretch], prefix: str) -> str:
+    """A line for each stretch."""
     if not found.events:
         if not found.whole:
             return "<p>Nothing in what is recorded, which is not all of the run.</p>"
         return "<p>Nothing: no intervention, no stop, no refusal.</p>"
     rows = []
-    for number in shown:
-        each = found.events[number]
-        lasted = each.end - each.begin
+    for each in shown:
+        lasted = f"{each.seconds:.1f} s" if each.seconds >= 0.05 else "–"
         rows.append(
-            f'<tr id="{prefix}{number + 1}"><td class="when">{each.begin:.1f} s</td>'
-            f'<td class="when">{f"{lasted:.1f} s" if lasted >= 0.05 else "–"}</td>'
-            f'<td><span class="tag {each.kind}">{each.kind}</span></td><td>{escape(each.words)}</td></tr>'
+            f'<tr id="{prefix}{each.number + 1}"><td class="when">{each.begin:.1f} s</td>'
+            f'<td class="when">{lasted}</td><td><span class="tag {each.kind}">{each.kind}</span></td>'
+            f"<td>{'<br>'.join(escape(line) for line in each.lines)}</td></tr>"
         )
-    left = len(found.events) - len(shown)
+    left = len(stretches(found.events)) - len(shown)
     more = (
         f'<p class="said">{left} more are in the JSON alone: shorter ones of filter and waiting.</p>'
         if left

@@ -57,11 +57,13 @@ class Picture:
         operator: what the operator says of itself: its filter, its margin.
         robot: what it says of the robot; never newer than the operator.
         said: what people must be told; empty where all is live.
+        ended: the operator is silent since it said that it ends.
     """
 
     operator: Freshness
     robot: Freshness
     said: str
+    ended: bool = False
 
     @property
     def running(self) -> bool:
@@ -102,6 +104,19 @@ def _silent(operator: Freshness, age: float, connected: bool) -> str:
     return f"OPERATOR GONE: no report for {age:.1f} s, {how}; robot not seen"
 
 
+def _ended(report: ControlReport, age: float) -> str:
+    """How it ended, by its last report."""
+    count = report.target_count
+    how = "ended"
+    if count:
+        how = (
+            f"finished, all {count} targets"
+            if report.target_index >= count
+            else "ended before the last target"
+        )
+    return f"the operator {how}: it gave control up {age:.1f} s ago"
+
+
 def _unseen(robot: Freshness, age: float | None, robot_connected: bool) -> str:
     if age is None:
         where = "" if robot_connected else "; the operator is connected to nobody"
@@ -118,10 +133,12 @@ class Hearing:
 
     Attributes:
         report: the newest; None before the first.
+        released: session of an operator that gave control up to nobody, as it does when it ends; 0: none did.
     """
 
     def __init__(self) -> None:
         self.report: ControlReport | None = None
+        self.released = 0
         self._report_ns = 0
         self._state_ns: int | None = None
 
@@ -150,4 +167,9 @@ class Hearing:
     def picture(self, now_ns: int, connected: bool = True) -> Picture:
         """What may be shown at `now_ns`."""
         robot_connected = self.report is None or self.report.connected
-        return picture(self.ages(now_ns), connected=connected, robot_connected=robot_connected)
+        ages = self.ages(now_ns)
+        found = picture(ages, connected=connected, robot_connected=robot_connected)
+        report, silent = self.report, found.operator in (Freshness.OLD, Freshness.GONE)
+        if report is None or ages.report is None or not silent or report.session != self.released:
+            return found
+        return Picture(Freshness.GONE, Freshness.GONE, _ended(report, ages.report), ended=True)

@@ -5,10 +5,13 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import msgspec
 from mcap.reader import make_reader
+from mcap.records import Chunk
+from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC
 
 from farhand.common.errors import InputError, ResultError, RunFileError
@@ -20,6 +23,7 @@ from farhand.runs.summary import read_summary
 
 RECENT = 60.0
 """A recording without an end that was changed in the last minute is being written to (s)."""
+FIRST_CHUNKS = 8
 SUFFIX = ".mcap"
 _FOOTER, _CHECK = struct.Struct("<QQI"), 4
 """At the end of a file: where its summary begins, and its groups; the checksum, which covers all before itself."""
@@ -111,10 +115,10 @@ def files_of(path: Path) -> Iterator[Path]:
 
 
 def _of_folder(folder: Path) -> ListedRun:
-    summary, notes = None, []
+    summary, notes, writing = None, [], is_written(folder)
     try:
         summary = read_summary(folder)
-        if summary is None:
+        if summary is None and not writing:
             notes.append(f"no {SUMMARY}")
     except ResultError:
         notes.append(f"{SUMMARY} cannot be read")
@@ -141,7 +145,7 @@ def _of_folder(folder: Path) -> ListedRun:
         finished=summary.finished if summary is not None and summary.end_known else None,
         length=length,
         size=sum(each.stat().st_size for each in files),
-        writing=is_written(folder),
+        writing=writing,
         note="; ".join(notes),
     )
 
@@ -159,7 +163,8 @@ def _of_file(path: Path) -> ListedRun:
         return msgspec.structs.replace(empty, note=why)
     reader.close()
     span, info = _span(path), reader.info
-    began = span[0] * 1e-9 if span is not None and info.epoch_ns else stat.st_mtime
+    first_ns = span[0] if span is not None else _first(path) if empty.writing else None
+    began = first_ns * 1e-9 if first_ns is not None and info.epoch_ns else stat.st_mtime
     return msgspec.structs.replace(
         empty,
         when=began,
@@ -189,6 +194,23 @@ def _span(path: Path) -> tuple[int, int] | None:
     if summary is None or summary.statistics is None or not summary.statistics.message_count:
         return None
     return summary.statistics.message_start_time, summary.statistics.message_end_time
+
+
+def _first(path: Path) -> int | None:
+    """First instant of a recording that is being written, by its first chunks (ns); None: there is none yet.
+
+    What is written at once may stand in any order: several chunks are looked at.
+    """
+    instants: list[int] = []
+    try:
+        with path.open("rb") as file:
+            chunks = (
+                each for each in StreamReader(file, emit_chunks=True).records if isinstance(each, Chunk)
+            )
+            instants.extend(chunk.message_start_time for chunk in islice(chunks, FIRST_CHUNKS))
+    except Exception:  # at the end of what is written so far, as in _span
+        pass
+    return min(instants, default=None)
 
 
 def _network(info: RunInfo) -> str | None:

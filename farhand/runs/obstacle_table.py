@@ -126,7 +126,12 @@ def _facing(normal: Any, key: str) -> list[float]:
 
 def check_shapes(obstacles: tuple[Obstacle, ...]) -> None:
     """Raise ScenarioError where the controller could not see the shapes as spheres, or the wire not carry them."""
-    size = len(msgspec.msgpack.encode(obstacles))
+    try:
+        size = len(msgspec.msgpack.encode(obstacles))
+    except UnicodeEncodeError:
+        raise ScenarioError(
+            "obstacles: an id holds bytes that are no text; expected 1 to 64 characters"
+        ) from None
     if size > MOST_BYTES:
         raise ScenarioError(
             f"obstacles: take {size} bytes on the wire, at most {MOST_BYTES} are possible; leave out vertices of meshes"

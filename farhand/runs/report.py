@@ -8,8 +8,9 @@ from rich.text import Text
 
 from farhand.common.process.called import called
 from farhand.netem.measure.result import DirectionCounts, NetemCounts
-from farhand.runs.files import RECORDING
+from farhand.runs.files import RECORDING, SUMMARY
 from farhand.runs.guard_words import guard_summary
+from farhand.runs.refusals import meaning
 from farhand.runs.summary import RunSummary, count_reasons, to_json
 from farhand.runs.units import milliseconds
 
@@ -37,18 +38,27 @@ def print_outcome(
     drawn = _drawn_against_achieved(summary.counts.netem)
     if drawn:
         table.add_row("netem", drawn)
-    console.print(table)
+    _print_unpadded(table, console)
     if summary.slow:
         console.print(summary.slow, style="yellow", markup=False, highlight=False)
     if folder is not None and not (summary.safety_known and summary.end_known):
         _point_to_recording(folder, console)
     if folder is not None:
-        names = ["summary.json", *([figure.name] if figure else [])]
+        names = [SUMMARY, *([figure.name] if figure else [])]
+        names += [RECORDING] if (folder / RECORDING).is_file() else []
         console.print(
             Text.assemble(("results in ", "dim"), (f"{folder}/", "bold"), (f"  ({', '.join(names)})", "dim"))
         )
     if as_json:
         print(to_json(summary), flush=True)
+
+
+def _print_unpadded(table: Table, console: Console) -> None:
+    """Without the spaces by which a table fills its lines: they end in files and in what is copied."""
+    for segments in console.render_lines(table, pad=False):
+        line = Text.assemble(*((each.text, each.style or "") for each in segments))
+        line.rstrip()
+        console.print(line, highlight=False, soft_wrap=True)
 
 
 def _point_to_recording(folder: Path, console: Console) -> None:
@@ -87,7 +97,7 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
         ("filter", _filter(summary)),
         ("guard", _guard(summary)),
         ("stops", _stops(summary)),
-        ("refused", f"{summary.refused} commands: {count_reasons(summary.refused_by.items())}"),
+        ("refused", _refused(summary)),
         ("scene", _scene(summary)),
         ("stood", _stood(summary)),
         ("follows", _follows(summary)),
@@ -96,15 +106,23 @@ def _rows(summary: RunSummary) -> list[tuple[str, str]]:
     return [(label, text) for label, text in rows if text and label not in left_out]
 
 
+def _refused(summary: RunSummary) -> str:
+    """How many commands, and a line for each reason."""
+    reasons = sorted(summary.refused_by.items())
+    lines = [f"{reason} {count}: {meaning(reason)}" for reason, count in reasons]
+    return "\n".join([f"{summary.refused} command{'s' if summary.refused != 1 else ''}", *lines])
+
+
 def _scene(summary: RunSummary) -> str:
     """Changes of the obstacles while it ran; empty: there were none."""
     robot = summary.counts.robot
     if robot is None or not (robot.scene_changes or robot.scene_refused):
         return ""
     refused = sum(robot.scene_refused.values())
-    told = f"changed {robot.scene_changes} times while it ran" if robot.scene_changes else "not changed"
+    times = "once" if robot.scene_changes == 1 else f"{robot.scene_changes} times"
+    told = f"changed {times} while it ran" if robot.scene_changes else "not changed"
     return (
-        f"{told}, {refused} requests refused: {count_reasons(robot.scene_refused.items())}"
+        f"{told}, {refused} request{'s' if refused > 1 else ''} refused: {count_reasons(robot.scene_refused.items())}"
         if refused
         else told
     )
@@ -214,7 +232,7 @@ def _stops(summary: RunSummary) -> str:
     if summary.stops and summary.acknowledges_itself:
         told.append("the steering device acknowledges stops itself")
     holds = summary.counts.robot.holds if summary.counts.robot is not None else 0
-    more = f", {holds} holds for want of commands" if holds else ""
+    more = f", {holds} hold{'s' if holds > 1 else ''} for want of commands" if holds else ""
     return f"{summary.stops}{more}" + (f": {'; '.join(told)}" if told else "")
 
 

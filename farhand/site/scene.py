@@ -23,7 +23,7 @@ from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.common.timing.slot import Slot
 from farhand.site.desk import OperatorDesk
 from farhand.site.reach import Reached, reaching
-from farhand.site.scene_asking import Asker, Change, SceneAsking
+from farhand.site.scene_asking import Asker, Change, SceneAsking, checked
 
 if TYPE_CHECKING:
     from farhand.operator_side.operator_node import OperatorNode
@@ -33,6 +33,7 @@ PATIENCE = 6.0
 STRAIGHT = 2.0
 """s until it must have been heard, before its operator's program is asked."""
 AGAIN_AFTER = 0.1
+UNCONFIRMED = "NOT CONFIRMED"
 _MOST_BYTES = 1_000_000
 
 
@@ -91,7 +92,9 @@ class SceneServer(OperatorDesk):
         asking.see(self._node.scene)
         if asking.done or now_ns - self._begun_ns > to_ns(PATIENCE - STRAIGHT - 0.5):
             self._asking = None
-            why = asking.refusal or ("" if asking.done else "the robot has not answered")
+            why = asking.refusal or (
+                "" if asking.done else unanswered(asking, self._robot, PATIENCE - STRAIGHT)
+            )
             told = {"ok": True, "scene": _told(asking.scene)} if asking.scene is not None else {}
             self._answer(refusal(why) if why or not told else msgspec.json.encode(told))
         elif now_ns - self._asked_ns >= to_ns(AGAIN_AFTER):
@@ -123,24 +126,32 @@ class _Heard:
             setattr(self, name, message)
 
 
+def unanswered(asking: SceneAsking, robot: str, seconds: float) -> str:
+    """What is known where no answer came: a request that was sent may have been obeyed."""
+    if asking.asked:
+        asked = f"{UNCONFIRMED}: {robot!r} was asked and has not answered in {seconds:g} s"
+        return f"{asked}; look with `farhand scene list`"
+    return f"no state of {robot!r} came in {seconds:g} s to ask it by"
+
+
 def change_scene(robot: str, connect: Sequence[str], tls: str, router: bool, change: Change) -> int:
     """`farhand scene set|add|remove`: returns 0 once the robot has done it, 1 where it has not, which is said.
 
-    Arguments and errors: see reach.reaching.
+    Arguments and errors: see reach.reaching; InputError as well where no robot would look at the change.
     """
-    clock = SystemClock()
+    clock, change = SystemClock(), checked(change)
     with reaching("scene", robot, connect, tls, router) as reached:
         heard = [_Heard(session, robot) for session in reached.sessions]
         asking = SceneAsking(Asker(reached.source, clock.now_ns() | 1), change)
         way = _straight_way(heard, clock)
         if way is not None:
             _pursue(asking, way, robot, clock)
-            why = asking.refusal or ("" if asking.done else f"{robot!r} has not answered in {PATIENCE:g} s")
+            why = asking.refusal or ("" if asking.done else unanswered(asking, robot, PATIENCE))
             scene = _told(asking.scene)
         else:
             why, scene = _through_operator(reached, robot, change)
     if why:
-        say("scene", f"NOT CHANGED: {why}")
+        say("scene", why if why.startswith(UNCONFIRMED) else f"NOT CHANGED: {why}")
         return 1
     print(f"{robot}: scene revision {scene['revision']}, {scene['obstacles']}")
     return 0
@@ -164,11 +175,14 @@ def hear_scene(robot: str, connect: Sequence[str], tls: str, router: bool) -> Sc
 
 def _straight_way(heard: Sequence[_Heard], clock: SystemClock) -> _Heard | None:
     """The session over which the robot itself is heard."""
-    until_ns, pause = clock.now_ns() + to_ns(STRAIGHT), threading.Event()
-    while clock.now_ns() < until_ns:
+    begun_ns, pause = clock.now_ns(), threading.Event()
+    patience = STRAIGHT
+    while clock.now_ns() - begun_ns < to_ns(patience):
         for each in heard:
             if each.scene is not None and each.state is not None:
                 return each
+            if each.scene is not None or each.state is not None:
+                patience = PATIENCE  # it is there, and a scene comes once a second only
         pause.wait(AGAIN_AFTER)
     return None
 

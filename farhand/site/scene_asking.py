@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import msgspec
 
-from farhand.common.messages.base import Echo
+from farhand.common.errors import InputError
+from farhand.common.messages.base import Echo, Name
 from farhand.common.messages.codec import encode
 from farhand.common.messages.scene import Obstacle, Scene
-from farhand.common.messages.scene_request import SceneDeed, SceneRequest
+from farhand.common.messages.scene_request import MOST_BYTES_ASKED, SceneDeed, SceneRequest
 from farhand.common.messages.state import RobotState
 
 
@@ -16,7 +17,26 @@ class Change(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     deed: SceneDeed
     obstacles: tuple[Obstacle, ...] = ()
-    gone: tuple[str, ...] = ()
+    gone: tuple[Name, ...] = ()
+
+
+def checked(change: Change) -> Change:
+    """The same; raises InputError where no robot would look at it."""
+    for name in change.gone:
+        try:
+            msgspec.convert(name, Name)
+            name.encode()
+        except (msgspec.ValidationError, UnicodeEncodeError):
+            raise InputError(
+                f"scene {change.deed} {name!r}: no name of an obstacle; expected 1 to 64 characters"
+            ) from None
+    size = len(msgspec.msgpack.encode(change))
+    if size > MOST_BYTES_ASKED:
+        raise InputError(
+            f"scene {change.deed}: takes {size} bytes on the wire, at most {MOST_BYTES_ASKED} are possible while the "
+            "robot runs; ask in parts, or leave out vertices of meshes"
+        )
+    return change
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +60,7 @@ class SceneAsking:
     Attributes:
         done: whether the robot has decided.
         refusal: why it refused, or refused last; empty: it obeyed, or has said nothing yet.
+        asked: whether a request was sent, so that it may have been obeyed.
         scene: the newest that came from the robot.
     """
 
@@ -50,6 +71,11 @@ class SceneAsking:
         self.done = False
         self.refusal = ""
         self.scene: Scene | None = None
+
+    @property
+    def asked(self) -> bool:
+        """Whether a request was sent."""
+        return self._seq > 0
 
     def see(self, scene: Scene | None) -> None:
         """Take the robot's newest scene, which may hold the answer."""

@@ -14,12 +14,15 @@ from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.keys import scene_request_key
 from farhand.common.messages.scene import MAX_ANSWERS, MAX_OBSTACLES, Obstacle, SceneAnswer
-from farhand.common.messages.scene_request import SceneRequest
+from farhand.common.messages.scene_request import (
+    MOST_BYTES_ASKED,
+    MOST_BYTES_LIVE,
+    MOST_MOVERS,
+    SceneRequest,
+)
 from farhand.common.timing.clock import to_ns
 from farhand.robot_side.safety.settings import SafetySettings
 
-MOST_BYTES = 900_000
-"""Of all obstacles on the wire, of which a message holds 1 MiB."""
 WAITING = 16
 """Requests that wait to be judged, one a tick."""
 REMEMBERED_SESSIONS = 64
@@ -28,8 +31,18 @@ AGAIN_NS = 100_000_000
 REPEATED_NS = 1_000_000_000
 """For so long a change is announced again and again: a network may lose some."""
 
+HEAD_BYTES = 2_000
+"""Of a request, beside its obstacles."""
+
 Crowded = Callable[[Sequence[Obstacle]], str]
 """Why obstacles cannot be there: they would be on the robot; empty: they can."""
+
+
+class _Head(msgspec.Struct, frozen=True):
+    """Enough of a request to know a copy of one that is decided: cheaper than the whole, and decides nothing else."""
+
+    session: int = 0
+    seq: int = -1
 
 
 class SceneIntake:
@@ -50,7 +63,8 @@ class SceneIntake:
         self._key, self._session = scene_request_key(name), session
         self._max_age_ns = to_ns(settings.max_age)
         self._decoder = Decoder(SceneRequest)
-        self._waiting: deque[SceneRequest] = deque()
+        self._heads = msgspec.msgpack.Decoder(_Head)
+        self._waiting: deque[bytes] = deque()
         self._answers: OrderedDict[int, SceneAnswer] = OrderedDict()
         self._newest_seq: dict[int, int] = {}
         self._counted: Counter[str] = Counter()
@@ -77,9 +91,10 @@ class SceneIntake:
             if len(self._waiting) >= WAITING:
                 self._counted["flood"] += 1
                 continue
-            request = self._decoder.decode(packet.payload)
-            if request is not None:
-                self._waiting.append(request)
+            if len(packet.payload) > MOST_BYTES_ASKED + HEAD_BYTES:
+                self._counted["too-large"] += 1
+                continue
+            self._waiting.append(packet.payload)
 
     @property
     def waits(self) -> bool:
@@ -96,10 +111,8 @@ class SceneIntake:
             now_ns: robot clock.
             crowded: says why obstacles cannot come to be where they are said to be.
         """
-        request = self._waiting.popleft()
-        known = self._answers.get(request.session)
-        if known is not None and known.settled:  # sent again: it is told again
-            self._unsaid = True
+        request = self._next()
+        if request is None:
             return None
         stale = self._staleness(request, now_ns)
         if stale:
@@ -130,6 +143,20 @@ class SceneIntake:
         self._unsaid = self._changed = False
         self._said_ns = now_ns
 
+    def _next(self) -> SceneRequest | None:
+        """The oldest request that waits; None: it is refused in decoding, or a copy of a decided one, told again."""
+        payload = self._waiting.popleft()
+        try:
+            session = self._heads.decode(payload).session
+        except (msgspec.MsgspecError, ValueError, RecursionError, OverflowError):
+            session = 0  # the whole says what is wrong with it
+        known = self._answers.get(session)
+        if known is not None and known.settled:
+            self._answers.move_to_end(session)  # among the newest, which are said
+            self._unsaid = True
+            return None
+        return self._decoder.decode(payload)
+
     def _staleness(self, request: SceneRequest, now_ns: int) -> str:
         """Why the request is not newer than all before it, or not built on a recent state; empty: it is."""
         echo = request.echo
@@ -157,8 +184,9 @@ class SceneIntake:
         self.revision += 1
         self._changed, self._repeat_until_ns = True, now_ns + REPEATED_NS
         self._answer(request, SceneAnswer(request.session))
-        came = [o.id for o in after if o not in set(before)]
-        went = [o.id for o in before if o not in set(after)]
+        old, new = set(before), set(after)
+        came = [o.id for o in after if o not in old]
+        went = [o.id for o in before if o not in new]
         said = [f"{what} {', '.join(names)}" for what, names in (("came", came), ("went", went)) if names]
         self.log.append(
             f"scene: revision {self.revision} by {request.source}: {'; '.join(said) or 'as it was'}; "
@@ -194,7 +222,8 @@ def _changed(request: SceneRequest, now: tuple[Obstacle, ...]) -> tuple[tuple[Ob
         if unknown or not request.gone:
             there = ", ".join(sorted(names)[:20]) or "none"
             return (), f"there is no obstacle {unknown[0] if unknown else ''!r}; there are {there}"
-        return tuple(o for o in now if o.id not in set(request.gone)), ""
+        gone = set(request.gone)
+        return tuple(o for o in now if o.id not in gone), ""
     if request.gone:
         return (), f"a request to {request.deed} takes no obstacle away"
     known = next((o.id for o in request.obstacles if o.id in names), "") if request.deed == "add" else ""
@@ -204,8 +233,14 @@ def _changed(request: SceneRequest, now: tuple[Obstacle, ...]) -> tuple[tuple[Ob
     if len(after) > MAX_OBSTACLES:
         return (), f"{len(after)} obstacles, at most {MAX_OBSTACLES} are possible"
     size = len(msgspec.msgpack.encode(after))
-    if size > MOST_BYTES:
-        return (), f"the obstacles take {size} bytes on the wire, at most {MOST_BYTES} are possible"
+    if size > MOST_BYTES_LIVE:
+        return (), (
+            f"the obstacles would take {size} bytes on the wire, at most {MOST_BYTES_LIVE} are possible while the "
+            "robot runs"
+        )
+    movers = sum(o.moves for o in after)
+    if movers > MOST_MOVERS:
+        return (), f"{movers} obstacles would move, at most {MOST_MOVERS} are possible while the robot runs"
     return after, ""
 
 

@@ -57,7 +57,7 @@ def test_a_stop_and_its_end_are_said(rig):
 
 def test_an_intruder_is_named_once_and_then_counted(rig):
     rig.send(EVE, 1, count=100, source="eve")
-    first = f"refused a command of 'eve', session {EVE:x}: another session holds control"
+    first = f"refused a command of 'eve', session {EVE:x}: of a session that does not hold control"
     assert rig.let(300)[0] == first
     for seq in range(2, 60):
         rig.send(ALICE, seq, "hold")
@@ -71,7 +71,7 @@ def test_each_refusal_names_its_own_sender(rig):
     rig.send(EVE, 1, source="eve")
     lines = rig.let(300)
     assert [line for line in lines if "'alice'" in line and "not newer" in line]
-    assert [line for line in lines if "'eve'" in line and "another session" in line]
+    assert [line for line in lines if "'eve'" in line and "does not hold control" in line]
 
 
 def test_garbage_is_named_by_its_kind(rig):

@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from farhand.common.messages.scene import Obstacle
+from farhand.common.messages import scene_request
+from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.scene_request import SceneRequest
 from farhand.common.seeds import stream
 from farhand.common.shapes.box import Box
@@ -142,7 +144,8 @@ def test_what_makes_no_sense_is_refused_in_one_line(ask, said):
 def test_too_many_are_refused_and_an_unknown_one_is_named():
     bench = Bench()
     many = [Obstacle(f"o{k}", (9.0, 0.1 * k, 0.0), 0.01) for k in range(1024)]
-    assert "1026 obstacles, at most 1024" in bench.ask("add", *many).refusal
+    assert bench.ask("add", *many[:600]).refusal == ""
+    assert "1026 obstacles, at most 1024" in bench.ask("add", *many[600:]).refusal
     assert "no obstacle 'gone'; there are " in bench.ask("remove", gone=("gone",)).refusal
 
 
@@ -331,3 +334,41 @@ def test_an_arm_keeps_off_whatever_is_let_in_beside_it_while_it_moves():
     assert any("moves too fast" in line for line in refused) or any(
         " mm from obstacle" in line for line in refused
     )
+
+
+def test_what_the_loop_would_wait_for_is_refused():
+    bench = Bench()
+    movers = [
+        Obstacle(f"m{i}", (3.0, 3.0, 0.6), 0.1, (-0.1, 0.0, 0.0))
+        for i in range(scene_request.MOST_MOVERS + 1)
+    ]
+    assert bench.ask("add", *movers[1:]).refusal == ""
+    assert "would move" in bench.ask("add", movers[0]).refusal
+    boxes = [Obstacle(f"box-{i}", (5.0, 5.0, float(i)), 0.1) for i in range(1000)]
+    bench.link.feed(bench.request("add", *boxes), bench.now)
+    bench.tick(7)
+    assert bench.node.scene_intake.refused["too-large"] == 1
+    assert bench.ask("set").refusal == ""
+
+
+def test_a_copy_of_what_is_decided_is_told_again_however_many_have_asked_since():
+    bench = Bench()
+    first = bench.request("add", POST)
+    bench.link.feed(first, bench.now)
+    bench.tick(7)
+    for _ in range(12):
+        bench.ask("add", POST)
+    assert bench.answer_to(first) is None
+    bench.link.feed(first, bench.now)
+    bench.tick(20)
+    assert bench.answer_to(first).refusal == ""
+    assert bench.ids.count("post") == 1
+
+
+def test_a_mover_that_leaves_the_world_does_not_make_the_scene_unreadable():
+    bench = Bench()
+    rocket = Obstacle("rocket", (999_000.0, 3.0, 3.0), 0.1, (1000.0, 0.0, 0.0))
+    assert bench.ask("add", rocket).refusal == ""
+    bench.tick(300)
+    assert Decoder(Scene).decode(encode(bench.scenes[-1])) is not None
+    assert bench.ask("remove", gone=("rocket",)).refusal == ""

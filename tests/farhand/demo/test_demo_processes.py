@@ -173,6 +173,8 @@ def test_ctrl_c_and_its_like_end_all_three(demo, number):
     assert summary["why"] == "interrupted"
     assert not summary["finished"]
     assert (demo.folder / "summary.json").exists()
+    assert not [line for line in demo.said if "the record program" in line]
+    assert read_run(demo.folder / "run.mcap").complete
 
 
 @pytest.mark.parametrize("victim", [also("operator"), also("netem"), "robot"])

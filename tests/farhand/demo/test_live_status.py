@@ -9,7 +9,7 @@ from rich.console import Console
 from farhand.common.messages.intervention import Intervention
 from farhand.demo.live_status import Arrived, StatusView, line, render
 from farhand.runs.freshness import Ages, picture
-from farhand.testing import report
+from farhand.testing import OPERATOR_SESSION, report
 
 S = 1_000_000_000
 BACKGROUND = re.compile(r"\x1b\[(?:\d+;)*4[0-7](?:;\d+)*m")
@@ -87,13 +87,13 @@ def test_what_the_guard_did_and_which_side_is_free_is_drawn_and_written():
     assert [("forearm" in text) for text in lines] == [False, True, False]
 
 
-def screen(rows):
-    """What a log file gets when (seconds, report or None) happen."""
+def screen(rows, released=0):
+    """What a log file gets when (seconds, report or None) happen, and who gave control up."""
     file = io.StringIO()
     with StatusView("r at here", Console(file=file, width=80)) as view:
         for at, arrived in rows:
             news = [Arrived(arrived, round(at * S))] if arrived is not None else []
-            view.update(news, round(at * S), connected=True)
+            view.update(news, round(at * S), connected=True, released=released)
     return file.getvalue().splitlines()
 
 
@@ -110,6 +110,32 @@ def test_a_log_says_what_is_waited_for_then_drives_then_ages():
     assert "OPERATOR GONE: no report for 13" in lines[5]
     assert not any("run" in text for text in lines[4:])
     assert len(lines) == 6
+
+
+def test_a_device_that_asks_for_nothing_is_explained():
+    for index, said in ((1, "nothing is asked of the robot"), (2, "all targets are reached")):
+        idle = {"stop_reason": "device not engaged", "target_index": index, "target_count": 2}
+        told = line(report(0, **DRIVING | idle), picture(Ages(0.1, 0.1), connected=True), 5.0)
+        assert told.endswith(f"device not engaged: {said}")
+        _, text = drawn(Ages(0.1, 0.1), **idle)
+        assert f"device not engaged: {said}" in " ".join(text.split())
+
+
+@pytest.mark.parametrize(
+    ("session", "index", "said"),
+    [
+        (OPERATOR_SESSION, 2, "the operator finished, all 2 targets: it gave control up 1.1 s ago"),
+        (OPERATOR_SESSION, 1, "the operator ended before the last target: it gave control up 1.1 s ago"),
+        (OPERATOR_SESSION + 1, 2, "no report from the operator for 1.1 s"),
+    ],
+)
+def test_an_operator_that_gave_control_up_has_ended_and_is_not_gone(session, index, said):
+    last = DRIVING | {"target_index": index, "target_count": 2}
+    lines = screen([(0.0, report(0, **last)), *((0.1 * k, None) for k in range(1, 60))], session)
+    assert said in lines[1]
+    ended = session == OPERATOR_SESSION
+    assert any("GONE" in text for text in lines) is not ended
+    assert any("was run" in text for text in lines) is not ended
 
 
 def test_a_line_of_a_file_does_not_wrap():

@@ -55,6 +55,15 @@ def test_a_recording_alone_knows_no_verdict(recorded):
     assert "this is the recording alone" in html
 
 
+def test_a_recording_alone_names_a_summary_where_there_is_one(folder, tmp_path):
+    def said():
+        return next(each for each in read_evidence(folder / "run.mcap").lacks if "recording alone" in each)
+
+    assert said().endswith(f"for these give the folder, {folder.name}, which has a summary.json")
+    (folder / "summary.json").unlink()
+    assert said().endswith("are not in it, and beside it is nothing that has them")
+
+
 def test_a_summary_of_another_run_is_left_out_and_told(folder, recorded):
     write_summary(msgspec.structs.replace(recorded[1].summary, seed=99), folder)
     found = read_evidence(folder)
@@ -95,6 +104,23 @@ def test_of_a_recording_that_lacks_most_each_figure_has_one_source(recorded):
     assert (figures.whole, figures.targets_reached, figures.recorded) == (False, 3, pytest.approx(0.4))
     assert figures.sources["clearance"] == "robot's result"
     assert not any("nothing is known" in line for line in found.lacks)
+
+
+def test_what_the_emulator_counted_beyond_the_recording_is_said(folder, recorded):
+    """As where messages were on the way before the operator's first tick and after its last."""
+    summary = recorded[1].summary
+    netem, recorded_way = summary.counts.netem, figures_of(read_evidence(folder)).network["downlink"]
+    lost = sum(recorded_way.lost.values()) or "none"
+    assert "as the emulator counted" not in Page([read_evidence(folder)]).html()
+    way = netem.downlink
+    more = msgspec.structs.replace(way, received=way.received + 50, dropped=way.dropped | {"trace": 2})
+    counts = msgspec.structs.replace(summary.counts, netem=msgspec.structs.replace(netem, downlink=more))
+    write_summary(msgspec.structs.replace(summary, counts=counts), folder)
+    total = recorded_way.messages + 50
+    html = Page([read_evidence(folder)]).html()
+    all_lost = sum(more.dropped.values())
+    said = f"{all_lost} of {total} as the emulator counted from its start to its end; of those recorded {lost} of "
+    assert f"<td>{said}" in html
 
 
 def test_names_cannot_break_the_page(tmp_path):

@@ -11,6 +11,8 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import state_key
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
+from farhand.report.evidence import Evidence
+from farhand.report.figures import figures_of, lateness, period_of
 from farhand.report.margin import additive, coverage, width_of
 from farhand.report.story import read_story
 from farhand.report.thinning import highest, thinned
@@ -27,10 +29,10 @@ INFO = RunInfo(
 TICK_NS = 100_000_000
 
 
-def told(reports, states=(), missing=()):
+def told(reports, states=(), missing=(), info=INFO):
     """The story of a run of these reports, and (tick, state) that arrived."""
     disk = ScriptedFile()
-    file = RunFile(None, INFO, file=disk)
+    file = RunFile(None, info, file=disk)
     for number, each in enumerate(reports):
         packets = tuple(
             (state_key("r"), (number + 1) * TICK_NS - 1, encode(s)) for tick, s in states if tick == number
@@ -71,6 +73,15 @@ def test_ticks_that_are_missing_are_told():
     story = told([report(n) for n in range(20)], missing={5, 6, 7})
     assert story.ticks.rows == 17
     assert any(line.startswith("3 ticks are missing 0.4 s after the first one") for line in story.lacks)
+
+
+def test_lateness_is_measured_against_the_operators_own_rate():
+    scenario = INFO.scenario | {"controller": {"period": 0.2}, "operator": {"rate_hz": 12.5}}
+    story = told([report(n) for n in range(3)], info=msgspec.structs.replace(INFO, scenario=scenario))
+    assert period_of(story) == pytest.approx(0.08)
+    assert lateness(story)[1] == pytest.approx([0.02, 0.02])
+    scenario["operator"] = {"rate_hz": None}
+    assert period_of(told([report(0)], info=msgspec.structs.replace(INFO, scenario=scenario))) == 0.2
 
 
 @pytest.mark.parametrize(
@@ -136,6 +147,17 @@ def test_waiting_before_the_first_drive_is_no_hold_and_standing_still_afterwards
         ("wait", "no state yet"),
         ("hold", "the network is silent"),
     ]
+
+
+def test_standing_still_is_counted_once_where_the_robot_holds_and_zero_is_commanded():
+    """2 s of zero for two reasons in turn, and the robot holds from 0.4 s after their beginning to 0.4 s after."""
+    reports = [
+        report(n, mode="run" if n < 5 or n > 25 else "hold", stop_reason="ab"[n % 2] if 5 <= n <= 25 else "")
+        for n in range(40)
+    ]
+    states = [(n, state(n, mode="hold" if 9 <= n < 29 else "run", reason="c")) for n in range(40)]
+    times, seconds = figures_of(Evidence("x", told(reports, states))).happened["hold"]
+    assert (times, seconds) == (1, pytest.approx(2.4, abs=0.05))
 
 
 def test_parts_that_are_alternatives_are_not_added_up():

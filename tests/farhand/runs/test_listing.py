@@ -109,6 +109,15 @@ def test_a_summary_of_another_run_is_no_result_of_this_one(runs, summary):
     assert found["run-1"].note == "summary.json is of another run"
 
 
+def test_a_run_that_is_being_written_began_when_it_began_and_lacks_nothing(runs):
+    path = runs / "run-0" / "run.mcap"
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])  # changed just now, and without an end
+    found = next(each for each in list_runs(runs) if each.path.endswith("run-0"))
+    assert (found.result, found.note, found.length) == ("is being written", "", None)
+    assert utc_seconds() - found.when == pytest.approx(86_400, abs=60)
+
+
 def test_a_damaged_end_gives_no_length_and_no_age(runs):
     path = runs / "alone.mcap"
     data = bytearray(path.read_bytes())

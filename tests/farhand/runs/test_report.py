@@ -1,6 +1,7 @@
 """What is printed at the end: what was lost, silent, stopped and too near is said, in 80 columns and in files."""
 
 import io
+import re
 
 import msgspec
 import pytest
@@ -56,6 +57,20 @@ def test_losses_silences_and_stops_are_in_the_summary(interrupted):
 def test_the_silence_is_known_to_the_figure(interrupted):
     ((begin, end),) = [s for s in interrupted.silences if s[1] - s[0] > 1.0]
     assert 1.8 < end - begin < 2.6
+
+
+def test_all_that_is_left_is_named_and_one_is_not_many(interrupted, tmp_path):
+    (tmp_path / "run.mcap").write_bytes(b"x")
+    robot = msgspec.structs.replace(interrupted.summary.counts.robot, holds=1)
+    counts = msgspec.structs.replace(interrupted.summary.counts, robot=robot)
+    found = msgspec.structs.replace(interrupted.summary, counts=counts, refused=1, refused_by={"old-seq": 1})
+    console = Console(file=io.StringIO(), width=300)
+    print_outcome(found, tmp_path, tmp_path / "run.png", console, as_json=False)
+    text = console.file.getvalue()
+    assert not any(line.endswith(" ") for line in text.splitlines()[1:])  # the first is a badge
+    assert "(summary.json, run.png, run.mcap)" in text
+    assert re.search(r"refused  1 command\n +old-seq 1: not newer than the last of its session", text)
+    assert "1, 1 hold for want of commands" in text
 
 
 def test_nothing_lost_is_said_as_well():
