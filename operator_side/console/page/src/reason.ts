@@ -37,15 +37,17 @@ export function pageReasons(known: Known, told: Reason[]): Reason[] {
       what: known.camera,
       clears: "It unlocks by itself when the camera moves again, or drive without it; then press anew.",
     });
+  const again =
+    told.map(({ what }) => /^Connected again after [\d.]+ s\. /.exec(what)?.[0]).find(Boolean) ?? (known.back ? "Connected again. " : "");
   if (known.inVain)
     own.push({
       pill: "held",
       what: known.cut
-        ? `Let go by itself: ${known.cut}; let go and press anew.`
+        ? `${again}Let go by itself: ${known.cut}; let go and press anew.`
         : "What is held down does not count: let go and press anew.",
       clears: "Let go, and press anew.",
     });
-  else if (known.cut) own.push({ pill: "held", what: `Let go by itself: ${known.cut}.`, clears: "Press anew." });
+  else if (known.cut) own.push({ pill: "held", what: `${again}Let go by itself: ${known.cut}.`, clears: "Press anew." });
   if (known.hint) own.push({ pill: "held", what: known.hint, clears: "" });
   const pill = told.some((each) => each.pill === "watching") ? "watching" : "ready";
   if (known.back) own.push({ pill, what: "Connected again. Nothing moves until somebody presses anew.", clears: "" });
