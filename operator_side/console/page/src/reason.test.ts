@@ -25,3 +25,9 @@ test("what is held down and does not count any more is said for as long as it is
   assert.deepEqual([first?.pill, first?.what], ["held", "Let go by itself: this page was not heard for a moment; let go and press anew."]);
   assert.match(pageReasons({ ...NOTHING, inVain: true }, [reason("ready")])[0]?.what ?? "", /does not count/);
 });
+
+test("why nobody can drive comes before what became of a press", () => {
+  const frozen = { pill: "held", what: "The camera shows nothing new for 2.1 s. Driving is locked.", clears: "" };
+  const [first] = pageReasons({ ...NOTHING, cut: "the camera showed nothing new", inVain: true }, [frozen]);
+  assert.equal(first, frozen);
+});

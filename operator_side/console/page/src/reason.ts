@@ -18,6 +18,9 @@ export interface Known {
   inVain: boolean;
 }
 
+const WORSE = ["link lost", "e-stop", "stopped", "taken"];
+
+/** In the order in which they count: why nobody can drive, before what became of a press. */
 export function pageReasons(known: Known, told: Reason[]): Reason[] {
   if (known.refused) return [{ pill: "link lost", what: known.refused, clears: "See to that, then reload this page." }];
   if (known.silent !== null)
@@ -28,7 +31,7 @@ export function pageReasons(known: Known, told: Reason[]): Reason[] {
         clears: "It is found again by itself; then press anew.",
       },
     ];
-  const worse = told.filter((each) => ["link lost", "e-stop", "stopped", "taken"].includes(each.pill));
+  const worse = told.filter((each) => WORSE.includes(each.pill) || each.what.endsWith("Driving is locked."));
   const rest = told.filter((each) => !worse.includes(each));
   const own: Reason[] = [];
   if (known.camera)
