@@ -119,7 +119,7 @@ def test_a_member_of_another_authority_gives_no_right(authority, tmp_path):
         load_folder(authority / "robot.ur5")
 
 
-def test_an_operator_may_write_only_the_command_of_its_robots(authority):
+def test_an_operator_may_write_only_commands_and_changes_of_the_scene_of_its_robots(authority):
     netem, alice = (load_folder(authority / name).own for name in ("netem.lab", "operator.alice"))
     rules = access_control(netem, [alice])["rules"]
     writes = {
@@ -128,7 +128,7 @@ def test_an_operator_may_write_only_the_command_of_its_robots(authority):
         if "ingress" in rule["flows"] and {"put", "delete"} & set(rule["messages"])
         for key in rule["key_exprs"]
     }
-    assert writes == {"farhand/ur5/command"}
+    assert writes == {"farhand/ur5/command", "farhand/ur5/scene_request"}
     robot = load_folder(authority / "robot.ur5").own
     rules = access_control(netem, [robot])["rules"]
     writes = {k for r in rules if "ingress" in r["flows"] and "put" in r["messages"] for k in r["key_exprs"]}
