@@ -56,6 +56,7 @@ def run_pytest(folder: Path, text: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.long
 def test_the_documented_example_fails_for_the_bad_controller(tmp_path):
     blocks = re.findall(r"```python\n(.*?)```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL)
     example = next(block for block in blocks if "pytest.mark.farhand" in block)

@@ -9,6 +9,7 @@ pytestmark = pytest.mark.realtime
 NOBODYS = "steering.gamepad.name=a gamepad that nobody has"
 
 
+@pytest.mark.long
 def test_the_devices_program_is_started_says_what_it_waits_for_and_ends_with_the_demo(tmp_path):
     words = (
         "--scenario",

@@ -188,6 +188,7 @@ def test_the_death_of_one_ends_all_and_is_told(demo, victim):
     assert not summary["finished"]
 
 
+@pytest.mark.long
 def test_the_death_of_the_recorder_costs_the_last_second_of_the_recording_alone(demo):
     children = demo.wait_until_it_drives()
     file = demo.folder / "run.mcap"

@@ -12,6 +12,7 @@ from farhand.common.link.ports import free_ports
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.live_status import ReportReader, StatusView
 from farhand.testing import Programs, short_task
+from tests.examples import also
 
 pytestmark = pytest.mark.realtime
 PATIENCE = 40.0
@@ -51,9 +52,9 @@ class Screen:
     ("victims", "number", "said"),
     [
         (["operator"], signal.SIGKILL, "OPERATOR GONE"),
-        (["robot"], signal.SIGKILL, "ROBOT GONE"),
+        also(["robot"], signal.SIGKILL, "ROBOT GONE"),
         (["netem"], signal.SIGKILL, "ROBOT AND NETWORK GONE"),
-        (["operator", "netem", "robot"], signal.SIGKILL, "OPERATOR GONE"),
+        also(["operator", "netem", "robot"], signal.SIGKILL, "OPERATOR GONE"),
         (["operator"], signal.SIGTERM, "the operator ended before the last target: it gave control up"),
     ],
 )

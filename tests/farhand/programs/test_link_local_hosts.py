@@ -11,7 +11,6 @@ from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
 from farhand.site.certificates import issue, make_authority
 from farhand.testing import short_task
 from farhand.trials.hosts import Hosts, why_not
-from tests.examples import also
 
 pytestmark = [
     pytest.mark.hosts,
@@ -50,7 +49,8 @@ def hosts():
         shutil.rmtree(NAMES / hosts.namespace(host))
 
 
-@pytest.mark.parametrize("protocol", ["tcp", also("tls")])
+@pytest.mark.long
+@pytest.mark.parametrize("protocol", ["tcp", "tls"])
 def test_a_task_and_the_doctor_over_link_local_addresses(hosts, tmp_path, protocol):
     members = {"netem": ("netem", "lab"), "robot": ("robot", "point"), "operator": ("operator", "alice")}
     secured = {key: {"insecure": True} for key in members}

@@ -17,6 +17,7 @@ pytestmark = pytest.mark.realtime
 FAR = [(50.0, 0.0, 0.5)]
 
 
+@pytest.mark.long
 def test_two_robots_of_one_name_are_told_and_held(tmp_path, capsys):
     up, down, reports = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
     task = ("--scenario", short_task(tmp_path, FAR), "--robot", "r")

@@ -18,6 +18,7 @@ pytestmark = pytest.mark.realtime
 STATUS = "moveit_msgs/msg/ServoStatus"
 
 
+@pytest.mark.long
 def test_it_talks_to_a_router_by_tls_and_who_is_of_another_authority_does_not(tmp_path):
     certs, foreign = tmp_path / "certs", tmp_path / "foreign"
     make_authority(certs)

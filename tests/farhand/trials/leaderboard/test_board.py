@@ -66,6 +66,7 @@ def rows_in(folder):
     return [json.loads(line) for line in (folder / "rows.jsonl").read_text().splitlines()]
 
 
+@pytest.mark.long
 def test_a_row_is_the_same_by_its_command_and_after_an_interruption(tmp_path, monkeypatch, capsys):
     whole, halves = tmp_path / "whole", tmp_path / "halves"
     assert run_board(small(), HerePool(), whole) == 0

@@ -69,6 +69,7 @@ def speed(rig):
     return float(rig.fault("status").partition("fastest joint ")[2].split()[0])
 
 
+@pytest.mark.long
 def test_drive_by_hand_protective_stop_recover_drive_on(rig):
     ports = free_ports(4)
     near, far, report = (f"tcp/127.0.0.1:{port}" for port in ports[:3])
