@@ -161,7 +161,9 @@ def test_the_least_of_tool_and_arm_is_shown_and_named(desk):
         assert browser.run(CUT_OFF) == []
         operator.state = {"arm_clearance": 0.2}
         desk.until(lambda: browser.text("clearance") == "51", "the tool's is shown")
-        assert browser.text("clearance-of") == "mm tool to ball · arm 200"
+        desk.until(
+            lambda: browser.text("clearance-of") == "mm tool to ball · arm 200", "and what it is near to"
+        )
     finally:
         operator.state, operator.report = {}, {}
 
