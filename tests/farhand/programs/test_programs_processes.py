@@ -7,6 +7,7 @@ import threading
 import msgpack
 import numpy as np
 import pytest
+import zenoh
 
 from farhand.common.link.link import Packet
 from farhand.common.link.ports import free_ports
@@ -42,7 +43,7 @@ class Client(Witness):
         return command(fields.pop("seq", self.seq), mode, source="client", velocity=velocity, **fields)
 
     def put(self, payload):
-        self.session.put(command_key("r"), payload)
+        self.session.put(command_key("r"), payload, congestion_control=zenoh.CongestionControl.BLOCK)
 
     def take_control(self):
         self.put(encode(self.command("acknowledge", (0.0, 0.0, 0.0))))
