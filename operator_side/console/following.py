@@ -38,6 +38,11 @@ class Shortfall:
         """Whether it does nothing of it."""
         return self.done < STANDS * self.sent
 
+    @property
+    def unfollowed(self) -> bool:
+        """Whether it does nothing of it, and nothing that is under way explains that."""
+        return self.lasting and self.stands
+
 
 class Following:
     """Told again and again of the newest report and state.

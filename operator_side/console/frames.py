@@ -87,7 +87,7 @@ def frame(
         "asking": [[n, each.name] for n, each in seat.pages.items() if each.asks],
         "watching": len(seat.pages) - (1 if seat.driver else 0),
         "holds": now.holds,
-        "stands": now.holds and now.short is not None and now.short.lasting,
+        "stands": now.holds and now.short is not None and now.short.unfollowed,
         "stopping": now.stopping,
         "heard": page.steer.press if page is not None and page.steer is not None else 0,
         "counts": seat.counts(number, now_ns),

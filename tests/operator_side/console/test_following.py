@@ -43,6 +43,13 @@ def test_a_hand_that_turns_round_again_and_again_is_followed_late_and_never_stan
     assert not any(short and short.lasting for short in found.values())
 
 
+def test_only_a_robot_that_does_nothing_for_good_is_said_not_to_follow():
+    for speed, unfollowed in ((0.0, True), (0.01, True), (0.1, False), (0.15, False)):
+        short = list(drive(2 * S, lambda _: FULL, lambda _, v=speed: (v, 0.0, 0.0)).values())[-1]
+        assert (short is not None and short.unfollowed) is unfollowed
+    assert not drive(2 * S, lambda _: FULL, lambda _: (0.0, 0.0, 0.0))[0].unfollowed
+
+
 @pytest.mark.parametrize("measured", [(0.03, 0.0, 0.0), (0.0, 0.15, 0.0), (-0.15, 0.0, 0.0)])
 def test_a_crawl_another_way_and_the_way_back_are_no_following(measured):
     short = list(drive(2 * S, lambda _: FULL, lambda _: measured).values())[-1]

@@ -1,4 +1,5 @@
 // Every test, bundled into one run.
+import "./arm.test.ts";
 import "./arrival.test.ts";
 import "./camera.test.ts";
 import "./clearance.test.ts";

@@ -14,6 +14,9 @@ import {
 } from "three";
 import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
 
+const NEAR = 0.002; // m
+const ALIKE = 0.01; // rad
+
 export interface Pose {
   position: Vector3;
   orientation: Quaternion;
@@ -65,7 +68,8 @@ export class Arm {
     return this.bodies.map(([body, points]) => points.map((at) => at.clone().applyMatrix4(body.matrixWorld)));
   }
 
-  private adopt(robot: URDFRobot, names: string[]): void {
+  /** Take this robot; the joints by their names, from the base on. */
+  adopt(robot: URDFRobot, names: string[]): void {
     this.robot = robot;
     this.joints = names.map((name) => robot.joints[name]).filter((joint): joint is URDFJoint => joint !== undefined);
     this.last = this.joints.at(-1) ?? null;
@@ -118,16 +122,22 @@ export class Arm {
     return box.isEmpty() ? link.getWorldPosition(new Vector3()) : box.getCenter(new Vector3());
   }
 
-  /** Turn the joints so that the tool comes to a pose: damped least squares, a few steps from where they are. */
-  reach(wanted: Pose, steps = 3): void {
-    if (!this.last || !this.hasTool) return;
-    for (let k = 0; k < steps; k += 1) {
+  /**
+   * Turn the joints so that the tool comes to a pose, by damped least squares, always from the same joints: from where
+   * they were drawn last they might end in another posture. False: it is not reached, and the arm is not there.
+   */
+  reach(wanted: Pose, values: number[], steps = 12): boolean {
+    if (!this.last || !this.hasTool) return false;
+    this.set(values);
+    for (let k = 0; ; k += 1) {
       this.group.updateMatrixWorld(true);
       const at = new Matrix4().multiplyMatrices(this.last.matrixWorld, this.tool);
       const position = new Vector3();
       const orientation = new Quaternion();
       at.decompose(position, orientation, new Vector3());
       const error = [...wanted.position.clone().sub(position).toArray(), ...turnBetween(orientation, wanted.orientation)];
+      if (Math.hypot(...error.slice(0, 3)) < NEAR && Math.hypot(...error.slice(3)) < ALIKE) return true;
+      if (k >= steps) return false;
       const columns = this.joints.map((joint) => {
         const axis = joint.axis.clone().transformDirection(joint.matrixWorld);
         const from = new Vector3().setFromMatrixPosition(joint.matrixWorld);

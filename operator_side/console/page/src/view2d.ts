@@ -154,14 +154,14 @@ export class View2D implements View {
       );
       this.rim(this.colour("ground"), 0.6);
     }
-    if (world.ghostSeen > 0)
+    if (world.ghostSeen > 0 && world.ghostWhole)
       for (const hull of world.ghost.hulls())
         this.outline(
           hull.map((at) => at2(pane, at)),
           this.colour("plan"),
           world.ghostSeen,
         );
-    if (world.ghostSeen > 0 && !world.ghost.isLoaded) this.ring(at2(pane, world.ghostAt), 9, this.colour("plan"));
+    if (world.ghostSeen > 0 && !world.ghostWhole) this.ring(at2(pane, world.ghostAt), 9, this.colour("plan"));
     const target = world.targets[world.target];
     if (target) this.ring(at2(pane, target), Math.max(7, 0.03 * pane.scale), this.colour("go"));
     this.drawLine(pane, world.path, this.colour("ground"), 8, 0.75);

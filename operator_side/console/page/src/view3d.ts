@@ -162,9 +162,9 @@ export class View3D implements View {
       this.scene.add(world.confirmed.group, world.ghost.group);
     }
     world.confirmed.colour(this.fresh.clone().lerp(this.old, Math.min(0.8, Math.max(0, (world.age - 0.25) / OLD))));
-    world.ghost.group.visible = world.ghostSeen > 0;
+    world.ghost.group.visible = world.ghostSeen > 0 && world.ghostWhole;
     world.ghost.material.opacity = 0.5 * world.ghostSeen;
-    this.ghostTool.visible = world.ghostSeen > 0 && !world.ghost.isLoaded;
+    this.ghostTool.visible = world.ghostSeen > 0 && !world.ghostWhole;
     this.ghostTool.position.copy(world.ghostAt);
     this.ghostTool.quaternion.copy(this.camera.quaternion);
     this.sphere.visible = world.tool !== null && world.radius > 0 && (world.bare || world.dangers.some((each) => each.binds));

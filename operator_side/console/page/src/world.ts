@@ -49,6 +49,8 @@ export class World {
   age = 0;
   live = false;
   ghostSeen = 0;
+  /** Whether the ghost is drawn as an arm: one was found whose tool is where it is predicted. */
+  ghostWhole = false;
   tool: Vector3 | null = null;
   radius = 0;
   asked = new Vector3();
@@ -166,12 +168,11 @@ export class World {
   }
 
   private placeGhost(place: { position: Vector3; orientation: Quaternion }): void {
-    if (!this.ghost.isLoaded) {
-      this.ghostAt.copy(place.position);
-      this.ghostSeen = 1;
+    this.ghostAt.copy(place.position);
+    this.ghostWhole = this.ghost.isLoaded && this.ghost.reach(place, this.confirmed.values);
+    if (!this.ghostWhole) {
+      this.ghostSeen = 1; // the tool's place alone
     } else {
-      this.ghost.reach(place);
-      this.ghostAt.copy(place.position);
       const apart = Math.max(0, ...this.ghost.values.map((q, k) => Math.abs(q - (this.confirmed.values[k] ?? q))));
       this.ghostSeen = apart > 0.002 ? Math.min(1, apart / 0.03) : 0; // where they are one, the confirmed one is seen
     }
