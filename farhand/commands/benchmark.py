@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.laboratory import JsonOption, WorkersOption
+from farhand.commands.options import JsonOption, WorkersOption
 from farhand.common.timing.clock import local_timestamp
 
 benchmark_app = typer.Typer(help="Methods against each other, on the same tasks.", no_args_is_help=True)

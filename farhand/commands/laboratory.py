@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from farhand.commands.options import MarginOption, PredictorOption, SetOption, SolverOption, parse_setting
+from farhand.commands.options import (
+    JsonOption,
+    MarginOption,
+    PredictorOption,
+    SetOption,
+    SolverOption,
+    WorkersOption,
+    parse_setting,
+)
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import local_timestamp
 from farhand.operator_side.margins.registry import MARGINS
@@ -13,9 +21,6 @@ from farhand.operator_side.margins.registry import MARGINS
 if TYPE_CHECKING:
     from farhand.laboratory.campaigns.pools import Pool
 
-WorkersOption = Annotated[
-    int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
-]
 SchedulerOption = Annotated[
     str,
     typer.Option(help="Run on a Dask cluster instead: address of its scheduler, such as tcp://host:8786."),
@@ -26,7 +31,6 @@ OutOption = Annotated[
         "--out", help="Folder for the results; a campaign in it goes on (default: runs/<time>-...)."
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as the last line, as JSON.")]
 ComputingOption = Annotated[
     str,
     typer.Option(help="Modelled computing time of a tick: ms, or a recorded run or text file to draw from."),

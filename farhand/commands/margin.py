@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from farhand.commands.options import WorkersOption
 from farhand.common.errors import FarhandError, InputError
 
 if TYPE_CHECKING:
@@ -35,9 +36,7 @@ def coverage(
         float, typer.Option(min=5.0, max=86_400.0, help="How long each law drives over each network, s.")
     ] = 120.0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the network's draws.")] = 0,
-    workers: Annotated[
-        int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
-    ] = 0,
+    workers: WorkersOption = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, in SI units.")] = False,
 ) -> None:
     """How often the prediction's error and the true round trip stayed within what the margin reckoned with, and how

@@ -72,13 +72,16 @@ SetOption = Annotated[
     typer.Option("--set", help="Replace a setting of the scenario, e.g. --set robot.lag=0.3."),
 ]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of everything that is drawn.")]
+WorkersOption = Annotated[
+    int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
+]
 TimeLimitOption = Annotated[
     float, typer.Option(min=0.1, max=1e6, help="Give up this long after the first motion, s.")
 ]
 TimelineOption = Annotated[
     str | None, typer.Option(help="TOML file of changes of the network at given times (docs/netem.md).")
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as the last line, as JSON.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as the last line, as JSON.")]
 ConnectOption = Annotated[
     list[str] | None, typer.Option(help="Zenoh endpoint to connect to, e.g. tcp/10.0.0.2:7447; repeatable.")
 ]

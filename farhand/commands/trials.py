@@ -5,11 +5,24 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import JsonOption
+from farhand.commands.options import JsonOption, WorkersOption
 from farhand.common.errors import InputError
 from farhand.common.timing.clock import local_timestamp
 
+TrialOut = Annotated[
+    Path | None, typer.Option("--out", help="Folder for the results; a trial in it goes on.")
+]
+
 trial_app = typer.Typer(help="Long trials: what the documents' figures rest on.", no_args_is_help=True)
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    """Words with commas between them."""
+    return tuple(word.strip() for word in text.split(",") if word.strip())
+
+
+def _folder(out: Path | None, kind: str) -> Path:
+    return out if out is not None else Path("runs") / f"{local_timestamp()}-{kind}"
 
 
 @trial_app.callback()
@@ -51,7 +64,7 @@ def ur(
         from farhand.trials.ur.drives import run_drives
 
         raise typer.Exit(run_drives(address, rate, tuple(networks.split()), as_json))
-    words = tuple(word.strip() for word in faults.split(",") if word.strip())
+    words = _listed(faults)
     raise typer.Exit(run_ur_trial(address, rate, words, as_json))
 
 
@@ -65,12 +78,8 @@ def guard(
     speeds: Annotated[str, typer.Option(help="Of movers, m/s; 0: all stand.")] = "0,0.1,0.3,0.5",
     seed: Annotated[int, typer.Option(min=0, help="Seed of scenes, commands and errors.")] = 1,
     on: Annotated[bool, typer.Option("--guard/--no-guard", help="Whether there is a guard.")] = True,
-    workers: Annotated[
-        int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
-    ] = 0,
-    out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for the results; a trial in it goes on.")
-    ] = None,
+    workers: WorkersOption = 0,
+    out: TrialOut = None,
 ) -> None:
     """Commands that are chosen to collide, among random shapes: does the guard keep its distance?
 
@@ -78,7 +87,7 @@ def guard(
     """
     from farhand.trials.safety.guard import RUNS, Trial, run_trial
 
-    named = tuple(word.strip() for word in robots.split(",") if word.strip())
+    named = _listed(robots)
     for name in named:
         if name not in RUNS:
             raise InputError(f"--robots {name!r}: must be some of {','.join(RUNS)}")
@@ -90,9 +99,8 @@ def guard(
         raise InputError(
             f"--speeds {speeds!r}: must lie within 0 and 5 m/s" if named else "--robots: none named"
         )
-    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-guard"
     trial = Trial(robots=named, share=share, speeds=fast, seed=seed, guarded=on)
-    raise typer.Exit(run_trial(trial, folder, workers))
+    raise typer.Exit(run_trial(trial, _folder(out, "guard"), workers))
 
 
 @trial_app.command()
@@ -113,11 +121,10 @@ def fuzz(
     from farhand.trials.fuzz.campaign import Campaign, run_campaign
     from farhand.trials.fuzz.registry import NAMES, check_name
 
-    named = tuple(word.strip() for word in targets.split(",") if word.strip()) or NAMES
+    named = _listed(targets) or NAMES
     for name in named:
         check_name(name)
-    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-fuzz"
-    raise typer.Exit(run_campaign(Campaign(named, share, folder), workers))
+    raise typer.Exit(run_campaign(Campaign(named, share, _folder(out, "fuzz")), workers))
 
 
 @trial_app.command()
@@ -125,12 +132,8 @@ def errors(
     names: Annotated[str, typer.Option("--errors", help="Some, with commas between them; empty: all.")] = "",
     runs: Annotated[int, typer.Option(min=1, max=100_000, help="Of each.")] = 200,
     seed: Annotated[int, typer.Option(min=0, help="Of networks, instants and the hostile client.")] = 1,
-    workers: Annotated[
-        int, typer.Option(min=0, max=1024, help="Processes (default: one for each processor).")
-    ] = 0,
-    out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for the results; a trial in it goes on.")
-    ] = None,
+    workers: WorkersOption = 0,
+    out: TrialOut = None,
 ) -> None:
     """The eight communication errors of IEC 61784-3, by the network and by a hostile client, in virtual time.
 
@@ -140,6 +143,5 @@ def errors(
     from farhand.trials.errors.errors import ERRORS
     from farhand.trials.errors.run_errors import run_errors
 
-    named = tuple(word.strip() for word in names.split(",") if word.strip()) or tuple(ERRORS)
-    folder = out if out is not None else Path("runs") / f"{local_timestamp()}-errors"
-    raise typer.Exit(run_errors(named, runs, seed, LocalPool(workers), folder))
+    named = _listed(names) or tuple(ERRORS)
+    raise typer.Exit(run_errors(named, runs, seed, LocalPool(workers), _folder(out, "errors")))
