@@ -5,7 +5,7 @@ from collections import deque
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.description import RobotDescription
-from farhand.common.messages.echo import Newest
+from farhand.common.messages.echo import LEFT_NS, Newest
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.keys import description_key, scene_key, state_key
 from farhand.common.messages.scene import Scene
@@ -13,9 +13,6 @@ from farhand.common.messages.state import RobotState
 from farhand.common.messages.twins import Twins
 
 RATE_WINDOW = 50
-TWINS_OVERLAP_NS = (
-    2_000_000_000  # beyond any network's jitter: what a robot sent before its restart may come late
-)
 
 
 class Perception:
@@ -30,13 +27,13 @@ class Perception:
         self._description_key = description_key(robot)
         self._states, self._scenes = Decoder(RobotState), Decoder(Scene)
         self._descriptions = Decoder(RobotDescription)
-        self.newest_state, self.newest_scene, self.newest_description = Newest(), Newest(), Newest()
+        self.newest_state, self.newest_scene, self.newest_description = (Newest(LEFT_NS) for _ in range(3))
         self.state: RobotState | None = None
         self.scene: Scene | None = None
         self.description: RobotDescription | None = None
         self.states = 0
         self._guard: Intervention | None = None
-        self._twins = Twins(TWINS_OVERLAP_NS)
+        self._twins = Twins(LEFT_NS)
         self._arrivals: deque[int] = deque(maxlen=RATE_WINDOW)
 
     def take(self, packet: Packet) -> RobotState | None:

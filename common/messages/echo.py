@@ -2,14 +2,25 @@
 
 from farhand.common.messages.base import Echo, Message
 
+LEFT_NS = 2_000_000_000
+"""Beyond any network's jitter: what a program sent before its restart may come so late."""
+REMEMBERED = 8
+"""Sessions that were left; bounded, whatever comes."""
+
 
 class Newest:
     """The newest message, by sequence number, of the other side's newest session.
 
     Newest by seq and not by arrival: under reordering an echo must not go backwards.
+
+    Args:
+        left_ns: for how long (ns) a session that another one followed is not gone back to: what it sent before its
+            end may come late.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, left_ns: int = 0) -> None:
+        self._left_ns = left_ns
+        self._left: dict[int, int] = {}  # when each session was left
         self.session = 0
         self.seq = -1
         self.t_sent_ns = 0
@@ -21,10 +32,22 @@ class Newest:
         if message.session == self.session and message.seq <= self.seq:
             return False
         if message.session != self.session:
+            if self._left_ns and not self._leave(message.session, arrived_ns):
+                return False
             self.received = 0
         self.session, self.seq = message.session, message.seq
         self.t_sent_ns, self.arrived_ns = message.t_sent_ns, arrived_ns
         self.received += 1
+        return True
+
+    def _leave(self, session: int, now_ns: int) -> bool:
+        """Go over to another session; False: it was left itself, just now."""
+        left = {each: at_ns for each, at_ns in self._left.items() if now_ns - at_ns < self._left_ns}
+        if session in left:
+            return False
+        if self.seq >= 0:
+            left[self.session] = now_ns
+        self._left = dict(list(left.items())[-REMEMBERED:])
         return True
 
     def echo(self, now_ns: int) -> Echo | None:

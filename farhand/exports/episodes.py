@@ -90,7 +90,7 @@ class Episodes:
         if self._started and now_ns - self._due_ns > DRIFT * self._period_ns:
             yield from self._over()
         self._due_ns = (self._due_ns if self._started else now_ns) + self._period_ns
-        for _, _, message in tick.arrived:
+        for _, _, message in tick.news:
             if isinstance(message, RobotState):
                 self._state = message
         frame = self._frame(tick.report)

@@ -91,7 +91,7 @@ class _Story:
                 yield from self._tick(item)
 
     def _tick(self, tick: DecodedTick) -> Said:
-        for arrived_ns, _, message in tick.arrived:
+        for arrived_ns, _, message in tick.news:
             at_ns = arrived_ns + self._epoch_ns
             if isinstance(message, RobotDescription):
                 if self._body is None or not self._body.robot.same_robot(message):

@@ -59,6 +59,8 @@ def _tick(
     for arrived_ns, _, message in tick.arrived:
         if isinstance(message, RobotState):
             files["states"].add(state_row(run, tick.record.number, arrived_ns, message, start_ns))
+    for arrived_ns, _, message in tick.news:
+        if isinstance(message, RobotState):
             over += follows.state(message, arrived_ns)
         elif isinstance(message, Scene):
             over += follows.scene(message, arrived_ns)

@@ -30,11 +30,12 @@ class Happening:
 
 
 class Happenings:
-    """Follows a run; spans of one kind that touch are one."""
+    """Follows a run; spans of one kind that touch are one. Wants news alone: what was overtaken is no change."""
 
     def __init__(self) -> None:
         self._going: dict[str, Happening] = {}
-        self._refused = 0
+        self._session = 0
+        self._refused: dict[str, int] = {}
         self._scene: Scene | None = None
 
     def tick(self, report: ControlReport, now_ns: int) -> Iterator[Happening]:
@@ -62,19 +63,28 @@ class Happenings:
         yield from self._over(now_ns)
 
     def state(self, state: RobotState, now_ns: int) -> Iterator[Happening]:
-        """Commands that the robot refused since the state before."""
-        refused = sum(state.refused.values())
-        new = refused - self._refused
-        if new > 0:
-            why = ", ".join(f"{reason} {count}" for reason, count in state.refused.items())
+        """Commands that the robot refused since the state before; one that was started anew counts anew."""
+        if state.session != self._session:
+            self._session, self._refused = state.session, {}
+        new = {
+            reason: count - self._refused.get(reason, 0)
+            for reason, count in state.refused.items()
+            if count > self._refused.get(reason, 0)
+        }
+        self._refused = state.refused
+        total = sum(new.values())
+        if total:
+            so_far = ", ".join(f"{reason} {count}" for reason, count in state.refused.items())
             yield Happening(
                 "refused",
-                f"the robot refused {new} command{'s' if new > 1 else ''} (so far: {why})",
+                f"the robot refused {total} command{'s' if total > 1 else ''} (so far: {so_far})",
                 now_ns,
                 now_ns,
-                {"commands": str(new)},
+                {
+                    "commands": str(total),
+                    "reasons": ", ".join(f"{reason} {count}" for reason, count in new.items()),
+                },
             )
-        self._refused = max(self._refused, refused)
 
     def scene(self, scene: Scene, now_ns: int) -> Iterator[Happening]:
         """A change of the obstacles since the scene before."""

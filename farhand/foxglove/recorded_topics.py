@@ -66,9 +66,23 @@ class RecordedTopics:
         self.damaged = self.missing = 0
         self._broken: set[int] = set()
         self._numbers: dict[int, int] = {}
-        specs: list[ChannelSpec] = []
+        self.specs: tuple[ChannelSpec, ...] = ()
         self._file = path.open("rb")
+        try:
+            self._look_through()
+            if not self.chunks:
+                raise RunFileError(f"run {path}: holds no message; expected a recording of a run that began")
+        except BaseException:
+            self._file.close()
+            raise
+        self.start_ns = min(chunk.first_ns for chunk in self.chunks)
+        self.end_ns = max(chunk.last_ns for chunk in self.chunks)
+        self._messages = lru_cache(maxsize=8)(self._read)
+
+    def _look_through(self) -> None:
+        """What the file has, and where."""
         schemas: dict[int, Schema] = {}
+        specs: list[ChannelSpec] = []
         for opcode, at, size in self._records():
             if opcode == Opcode.CHUNK:
                 first_ns, last_ns = _SPAN.unpack(self._bytes(at, _SPAN.size))
@@ -84,11 +98,6 @@ class RecordedTopics:
             elif opcode == Opcode.DATA_END:  # after it the file says again what it holds
                 self.cut_off = False
         self.specs = tuple(specs)
-        if not self.chunks:
-            raise RunFileError(f"run {path}: holds no message; expected a recording of a run that began")
-        self.start_ns = min(chunk.first_ns for chunk in self.chunks)
-        self.end_ns = max(chunk.last_ns for chunk in self.chunks)
-        self._messages = lru_cache(maxsize=8)(self._read)
 
     def close(self) -> None:
         """Read no more."""

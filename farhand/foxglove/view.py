@@ -99,7 +99,7 @@ class FoxgloveView:
 
     def tick(self, tick: DecodedTick) -> Iterator[Said]:
         """See View."""
-        for arrived_ns, _, message in tick.arrived:
+        for arrived_ns, _, message in tick.news:
             if isinstance(message, RobotState):
                 yield from self._state(message, arrived_ns)
             elif isinstance(message, Scene):

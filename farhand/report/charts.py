@@ -26,9 +26,11 @@ def clearance(story: Story, marks: str) -> Chart:
             lines.append(
                 Line("limit and margin (what the filter keeps)", "keepline", ticks["t"], keep, _gap(story))
             )
-        if np.isfinite(states["arm"]).any():
-            lines.append(Line("arm, bare", "line1", states["t"], states["arm"] * MM, 0.5))
-        lines.append(Line("tool's sphere", "line0", states["t"], states["clearance"] * MM, 0.5))
+        in_order = states["late"] == 0.0
+        t, tool, arm = (states[name][in_order] for name in ("t", "clearance", "arm"))
+        if np.isfinite(arm).any():
+            lines.append(Line("arm, bare", "line1", t, arm * MM, 0.5))
+        lines.append(Line("tool's sphere", "line0", t, tool * MM, 0.5))
     levels = [Level(f"limit, {limit * MM:g} mm", "limit", limit * MM)] if limit is not None else []
     top = max(SHOWN_CLEARANCE, 6.0 * (limit or 0.0)) * MM
     return Chart("mm", lines, levels, height=230.0, top=top, marks=marks, name="clearance over time")

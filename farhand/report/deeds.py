@@ -57,9 +57,6 @@ class Deeds:
         self._done = False
         self._mode: str | None = None
         self._modes: list[Happening] = []
-        self._session = 0
-        self._refused: dict[str, int] = {}
-        self._refusals: dict[int, str] = {}
 
     def tick(self, report: ControlReport, now_ns: int) -> None:
         """Note a tick."""
@@ -91,8 +88,7 @@ class Deeds:
         )
 
     def state(self, state: RobotState, now_ns: int) -> None:
-        """Note what it refused, and its own mode: times in which it is stopped, or holds after it ran."""
-        self._note_refused(state, now_ns)
+        """Note its mode: times in which it is stopped, or holds after it ran."""
         told = "" if state.mode == "run" else _mode_words(state)
         if self._mode is None and state.mode == "hold":
             return  # nobody has driven it yet
@@ -106,19 +102,6 @@ class Deeds:
             last.facts["mode"] = last.kind
         if told:
             self._modes.append(Happening(state.mode, told, now_ns, now_ns))
-
-    def _note_refused(self, state: RobotState, now_ns: int) -> None:
-        """The reasons of those that are new; a robot that was started anew counts anew."""
-        if state.session != self._session:
-            self._session, self._refused = state.session, {}
-        new = {
-            reason: count - self._refused.get(reason, 0)
-            for reason, count in state.refused.items()
-            if count > self._refused.get(reason, 0)
-        }
-        if new:
-            self._refused |= {reason: state.refused[reason] for reason in new}
-            self._refusals[now_ns] = ", ".join(f"{reason} {count}" for reason, count in new.items())
 
     def explain(self, happenings: list[Happening]) -> None:
         """Say in each of them what was done, and add the robot's own; they stay in the order of their beginnings.
@@ -139,8 +122,6 @@ class Deeds:
                 each.kind = "wait" if waited else "hold"
             elif each.kind == "held":
                 each.kind = "stuck"
-            elif each.kind == "refused":
-                each.facts["reasons"] = self._refusals.get(each.began_ns, "")
         for each in self._modes:
             each.facts.setdefault("mode", each.kind)
             each.kind = "hold" if each.facts["mode"] == "hold" else "stop"

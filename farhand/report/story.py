@@ -39,7 +39,7 @@ TICK_COLUMNS = (
     "intervening",
     "seen",
 )
-STATE_COLUMNS = ("t", "sample", "session", "seq", "x", "y", "z", "clearance", "arm")
+STATE_COLUMNS = ("t", "sample", "session", "seq", "x", "y", "z", "clearance", "arm", "late")
 MOST_HAPPENINGS = 20_000
 
 
@@ -58,7 +58,7 @@ class Story:
         parts: of the margin, a column each (m), a row a tick.
         states: columns STATE_COLUMNS, a row a state that arrived: t of its arrival, `sample` of its making on the
             robot's clock (s), its sender's session (counted from 0) and number, position (m), clearance of the tool's
-            sphere and of the arm (m).
+            sphere and of the arm (m), whether a newer one had overtaken it (0, 1).
         happenings: what happened, in the order of its beginning.
         untold: happenings beyond those that are kept.
         scene, robot: the newest; None: never arrived.
@@ -153,9 +153,10 @@ class _Reading:
         story, now_ns = self._story, tick.record.now_ns
         if not story.began_ns:
             story.began_ns = story.zero_ns = now_ns
+        news = {id(message) for _, _, message in tick.news}
         for arrived_ns, _, message in tick.arrived:
             if isinstance(message, RobotState):
-                self._state(message, arrived_ns)
+                self._state(message, arrived_ns, late=id(message) not in news)
             elif isinstance(message, Scene):
                 self._scene(message, arrived_ns)
             elif isinstance(message, RobotDescription):
@@ -210,11 +211,12 @@ class _Reading:
             for columns in (story.ticks, story.states):
                 columns.shift("t", (story.began_ns - story.zero_ns) * 1e-9)
 
-    def _state(self, state: RobotState, arrived_ns: int) -> None:
+    def _state(self, state: RobotState, arrived_ns: int, *, late: bool) -> None:
         story = self._story
-        for happening in self._happenings.state(state, arrived_ns):
-            self._keep(happening)
-        self._deeds.state(state, arrived_ns)
+        if not late:
+            for happening in self._happenings.state(state, arrived_ns):
+                self._keep(happening)
+            self._deeds.state(state, arrived_ns)
         story.least = state.min_clearance if story.least is None else min(story.least, state.min_clearance)
         story.states.add(
             story.since(arrived_ns),
@@ -224,6 +226,7 @@ class _Reading:
             *state.position,
             state.clearance,
             state.arm_clearance,
+            late,
         )
 
     def _scene(self, scene: Scene, arrived_ns: int) -> None:

@@ -36,6 +36,20 @@ def test_nothing_received_has_no_echo_and_a_new_session_starts_anew():
     assert newest.echo(15).hold_ns == 0
 
 
+@given(st.lists(st.tuples(st.integers(1, 4), st.integers(0, 30)), max_size=40))
+def test_a_session_that_was_left_is_not_gone_back_to_until_it_is_long_ago(steps):
+    """Whoever restarts has a new session; what the old one sent may come late."""
+    newest, left, now = Newest(left_ns=20), {}, 0
+    for number, (session, later) in enumerate(steps):
+        now += later
+        current = newest.session
+        accepted = newest.accept(command(number, session=session), now)
+        assert accepted == (now - left.get(session, -20) >= 20 or session == current)
+        if accepted and session != current:
+            left[current] = now
+        left.pop(newest.session, None)
+
+
 @given(st.integers(1, 20), st.lists(st.integers(0, 3)))
 def test_an_inbox_keeps_the_newest_and_counts_the_rest(limit, drains):
     inbox, expected, dropped = Inbox(limit), [], 0

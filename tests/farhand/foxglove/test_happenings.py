@@ -16,3 +16,10 @@ def test_refused_commands_are_counted_in_words():
         "the robot refused 1 command (so far: stale 1)",
         "the robot refused 2 commands (so far: stale 3)",
     ]
+
+
+def test_a_robot_that_was_started_anew_counts_its_refusals_anew():
+    seen = Happenings()
+    for session, number in ((1, 5), (2, 0), (2, 2)):
+        told = list(seen.state(msgspec.structs.replace(state(session=session), refused={"stale": number}), 0))
+    assert told[0].facts == {"commands": "2", "reasons": "stale 2"}

@@ -1,5 +1,7 @@
 """Playing a recording: every message once and in order; after a seek all that stood then."""
 
+from contextlib import closing
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
@@ -153,9 +155,11 @@ def test_what_a_flipped_bit_took_away_is_told_of(short, tmp_path, place, bit):
 
 def played(path):
     """All that a recording says by topic and time, and what is said to be missing."""
-    topics, said = RecordedTopics(path), []
-    player = Player(topics, lambda number, at, data: said.append((topics.specs[number - 1].topic, at, data)))
-    player.seek(topics.start_ns)
-    player.advance(topics.end_ns)
-    topics.close()
+    said = []
+    with closing(RecordedTopics(path)) as topics:
+        player = Player(
+            topics, lambda number, at, data: said.append((topics.specs[number - 1].topic, at, data))
+        )
+        player.seek(topics.start_ns)
+        player.advance(topics.end_ns)
     return sorted(said), topics.lacks

@@ -13,7 +13,6 @@ from mcap_protobuf.decoder import DecoderFactory
 from farhand.common.messages.codec import encode
 from farhand.common.recording.decoded import DecodedTick, TickDecoder
 from farhand.common.recording.records import TickRecord
-from farhand.common.timing.clock import SystemClock
 from farhand.foxglove.view import FoxgloveView
 from farhand.robot_side.arm.model import model
 from farhand.testing import description, scene
@@ -212,8 +211,8 @@ def _about(number):
     yield "farhand/ur5/scene", number * TICK_NS, encode(scene(number, *OBSTACLES))
 
 
-def test_a_tick_costs_the_recorders_program_little(run):
-    """Of its own program, which has a tick's time: the bound catches a change of kind, not of a tenth."""
+def test_a_tick_is_told_in_few_messages(run):
+    """What stands is not told again in every tick; the recorder's program has a tick's time for all of it."""
     made = run[2]
     view, decoder = FoxgloveView(D_MIN), TickDecoder()
     ticks: list[DecodedTick] = []
@@ -227,9 +226,5 @@ def test_a_tick_costs_the_recorders_program_little(run):
         ticks.append(
             decoder.decode(TickRecord(number, number * TICK_NS, packets, encode(sent), encode(report)))
         )
-    clock = SystemClock()
-    began_ns = clock.now_ns()
-    count = sum(len(list(view.tick(tick))) for tick in ticks)
-    cost = (clock.now_ns() - began_ns) * 1e-9 / len(ticks)
-    print(f"{cost * 1e6:.0f} us a tick, {count / len(ticks):.1f} messages")
-    assert cost < 0.02
+    said = sum(len(list(view.tick(tick))) for tick in ticks)
+    assert said / len(ticks) < 10

@@ -11,6 +11,7 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import state_key
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
+from farhand.report.charts import clearance
 from farhand.report.evidence import Evidence
 from farhand.report.figures import figures_of, lateness, period_of
 from farhand.report.margin import additive, coverage, width_of
@@ -115,6 +116,22 @@ def test_a_stop_of_the_robot_and_a_refusal_are_told_with_their_reason():
     assert found["stop"].words == "the robot stopped: no command for 1 s"
     assert found["refused"].words.startswith("the robot refused 2 commands")
     assert story.since(found["stop"].began_ns) < story.since(found["stop"].seen_ns)
+
+
+def test_a_state_that_another_overtook_is_no_second_stop():
+    stopped = {"mode": "stopped", "reason": "no command for 1 s"}
+    arrived = [
+        (1, state(0)),
+        (3, state(2, **stopped)),
+        (3, state(1)),
+        (4, state(4, **stopped)),
+        (5, state(3)),
+    ]
+    story = told([report(n) for n in range(8)], arrived)
+    assert [each.kind for each in story.happenings] == ["stop"]
+    assert story.states["late"].tolist() == [0, 0, 1, 0, 1]
+    shown = next(line for line in clearance(story, "").lines if line.label == "tool's sphere")
+    assert len(shown.t) == 3
 
 
 def test_an_intervention_says_for_what_how_much_and_how_near():
