@@ -4,7 +4,8 @@ import errno
 import os
 import sys
 import warnings
-from typing import TextIO
+from functools import cache
+from typing import Any, TextIO
 
 import typer
 
@@ -89,8 +90,7 @@ def run(arguments: list[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RecordingWarning)
             warnings.showwarning = _say_warning
-            command = in_plain_words(typer.main.get_command(app))
-            result = command(arguments, prog_name="farhand", standalone_mode=False)
+            result = _command()(arguments, prog_name="farhand", standalone_mode=False)
     except typer.Exit as end:
         return int(end.exit_code)
     except typer.Abort:
@@ -108,6 +108,12 @@ def run(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     return result if isinstance(result, int) else 0
+
+
+@cache
+def _command() -> Any:
+    """What is mounted, as Click has it; made once, as it takes longer than most of what it says."""
+    return in_plain_words(typer.main.get_command(app))
 
 
 def _say_warning(

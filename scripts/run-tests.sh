@@ -3,6 +3,8 @@
 # what is left. `long` runs, alone, what takes too long for every time. With other arguments, runs pytest with them.
 set -u
 cd "$(dirname "$0")/.."
+# Where it is set, each of the hundreds of processes would compile all of Farhand, and each worker all tests.
+unset PYTHONDONTWRITEBYTECODE
 pytest=".venv/bin/python -m pytest"
 if [ "$*" = long ]; then
     FARHAND_TESTS=thorough exec $pytest -m "long or thorough" -n 2 --dist worksteal

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from farhand.common.geometry import Array
 
@@ -78,8 +77,15 @@ class Hull:
         return np.asarray(away - along[:, None] * self.directions)
 
 
+def prepare() -> None:
+    """Load what hulls are made with, for a program that may be given a mesh while it runs and has no time then."""
+    import scipy.spatial  # noqa: F401
+
+
 def hull_of(points: Array) -> Hull:
     """The hull of (n, 3) points (m); raises NoHullError where they span no volume."""
+    from scipy.spatial import ConvexHull, QhullError  # here, as most scenes hold no mesh, and it loads slowly
+
     try:
         found = ConvexHull(points)
     except (QhullError, ValueError):

@@ -5,7 +5,6 @@ is known by its corners: cutting it by a plane keeps those on either side and ad
 """
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from farhand.common.geometry import Array
 from farhand.common.shapes.hull import Hull
@@ -86,6 +85,8 @@ def _halved(piece: Array) -> list[Array]:
 
 def _corners(cut: Array, axes: list[int]) -> Array:
     """The corners of a cross-section; all of its points where it has no area."""
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         return np.asarray(cut[ConvexHull(cut[:, axes]).vertices])
     except (QhullError, ValueError):

@@ -31,6 +31,7 @@ from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.teller import Teller
 from farhand.common.recording.records import RunInfo
 from farhand.common.result_file import write_result
+from farhand.common.shapes import hull
 from farhand.common.timing.clock import SystemClock, stopwatch_seconds
 from farhand.common.timing.slot import Slot
 from farhand.common.trust.tls import TlsFolder
@@ -154,6 +155,7 @@ def operator_program(scenario: Scenario, access: Access, options: OperatorOption
         )
         controller = make_controller(scenario.controller)
         prepare_aloud(controller, teller.say)  # compiled before anything is connected
+        hull.prepare()
         if controller.solver_notice:
             teller.say(controller.solver_notice)
         extra = folder.settings("operator") if folder else ()

@@ -12,6 +12,7 @@ from farhand.common.process.signals import PeerWatch, say, stop_event_on_signals
 from farhand.common.process.systemd import tell_systemd
 from farhand.common.process.teller import Teller
 from farhand.common.result_file import write_result
+from farhand.common.shapes import hull
 from farhand.common.timing.clock import SystemClock
 from farhand.common.trust.zenoh_log import tell_refusals
 from farhand.programs.compiling import prepare_robot_aloud
@@ -54,6 +55,7 @@ def robot_program(scenario: Scenario, access: Access, options: RobotOptions) -> 
             tell_refusals(teller.say)
         extra = folder.settings("robot") if folder else ()
         prepare_robot_aloud(scenario, teller.say)  # before anything is connected
+        hull.prepare()
         session = open_session(access.connect, access.listen, mode=mode, extra=extra)
         link = ZenohLink(session, [command_key(name), scene_request_key(name)], clock)
         closing.callback(link.close)

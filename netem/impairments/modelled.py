@@ -38,6 +38,10 @@ class ProfileWord(DelayWord, frozen=True):
         """The profile, which loses by its model."""
         return self.profile
 
+    def prepare(self) -> None:
+        """Have its samplers' tables ready."""
+        PROFILES[self.profile].prepare()
+
     def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The profile's model."""
         return _sampler(PROFILES[self.profile], context)
@@ -66,8 +70,8 @@ class ModelWord(DelayWord, frozen=True):
         return f"model:{path_text(self.path)}"
 
     def prepare(self) -> None:
-        """Read the file; raises InputError."""
-        _load(self.path)
+        """Read the file, and have its samplers' tables ready; raises InputError."""
+        _load(self.path).prepare()
 
     def sampler(self, context: ImpairmentContext) -> DelaySampler:
         """The fitted model."""

@@ -16,7 +16,6 @@ import msgspec
 import numpy as np
 import tomli_w
 from numpy.typing import NDArray
-from scipy.special import gammainccinv, gammaincinv
 
 from farhand.common.errors import TraceError
 from farhand.common.result_file import write_whole
@@ -120,6 +119,8 @@ def model_quantiles(
 
 def _threshold(arrived: NDArray[np.float64]) -> float:
     """Above it a delay is an episode: out of reach for jitter of the form that the bulk has (s)."""
+    from scipy.special import gammainccinv
+
     median, p75, p95 = (float(value) for value in np.percentile(arrived, [50, 75, 95]))
     spread = max(min(p95 - median, 3.0 * (p75 - median)), 0.05 * median, 1e-4)
     threshold = median + 3.0 * spread
@@ -184,6 +185,7 @@ def _jitter(
     body: NDArray[np.float64], correlation_time: float, percents: tuple[float, ...] = FITTED
 ) -> tuple[float, Jitter | None]:
     from scipy.optimize import minimize
+    from scipy.special import gammaincinv
 
     wanted = np.percentile(body, percents)
     least = max(float(body.min()), 1e-6)

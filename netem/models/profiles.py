@@ -17,7 +17,7 @@ import numpy as np
 from farhand.common.errors import TraceError
 from farhand.common.toml import read_toml
 from farhand.netem.models.model import DelayModel, Episodes, Jitter, UniformJitter
-from farhand.netem.models.sampler import ModelSampler
+from farhand.netem.models.sampler import ModelSampler, prepare
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,10 @@ class Profile:
     name: str
     description: str
     model: DelayModel
+
+    def prepare(self) -> None:
+        """Have ready what its samplers need."""
+        prepare(self.model)
 
     def sampler(
         self,

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import gammainccinv, gammaincinv, ndtr
 
 from farhand.common.seeds import derived
 from farhand.common.timing.clock import NANOSECONDS_PER_SECOND, to_ns
@@ -40,12 +39,8 @@ class ModelSampler:
         self._floor = model.floor / halves
         self._normal = rng.standard_normal
         self._random = rng.random
-        self._quantile: Callable[[float], float] | None = None
+        self._quantile = _quantile(model)
         self._correlation_ns = 0.0
-        if isinstance(model.jitter, Jitter):
-            self._quantile = _Table(_gamma_table(model.jitter.shape / halves), model.jitter.scale)
-        elif isinstance(model.jitter, UniformJitter):
-            self._quantile = _Table(_uniform_table(), model.jitter.width)
         if model.jitter is not None:
             self._correlation_ns = model.jitter.correlation_time * NANOSECONDS_PER_SECOND
         self._z: float | None = None
@@ -150,8 +145,24 @@ class _Table:
         return self._scale * (low + (place - index) * (high - low))
 
 
+def prepare(model: DelayModel) -> None:
+    """Have ready what a sampler of the model needs: the first takes a while, in which no message would go on."""
+    _quantile(model)
+
+
+def _quantile(model: DelayModel) -> Callable[[float], float] | None:
+    if isinstance(model.jitter, Jitter):
+        halves = 2 if model.path == "round-trip" else 1
+        return _Table(_gamma_table(model.jitter.shape / halves), model.jitter.scale)
+    if isinstance(model.jitter, UniformJitter):
+        return _Table(_uniform_table(), model.jitter.width)
+    return None
+
+
 @lru_cache(maxsize=32)
 def _gamma_table(shape: float) -> tuple[float, ...]:
+    from scipy.special import gammainccinv, gammaincinv, ndtr  # here, as most networks need none of it
+
     z = np.arange(-_Z_LIMIT, _Z_LIMIT + 1e-9, 1 / _Z_STEPS_PER_UNIT)
     # Either tail is computed from its own end, where the probability has full precision.
     values = np.where(z < 0, gammaincinv(shape, ndtr(z)), gammainccinv(shape, ndtr(-z)))
@@ -160,5 +171,7 @@ def _gamma_table(shape: float) -> tuple[float, ...]:
 
 @lru_cache(maxsize=1)
 def _uniform_table() -> tuple[float, ...]:
+    from scipy.special import ndtr
+
     z = np.arange(-_Z_LIMIT, _Z_LIMIT + 1e-9, 1 / _Z_STEPS_PER_UNIT)
     return tuple(ndtr(z).tolist())

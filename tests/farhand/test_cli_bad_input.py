@@ -39,12 +39,12 @@ def elsewhere(tmp_path, monkeypatch):
 
 
 def all_commands(command, path=()):
-    yield path
+    yield path, command
     for name, inner in sorted(getattr(command, "commands", {}).items()):
         yield from all_commands(inner, (*path, name))
 
 
-COMMANDS = list(all_commands(typer.main.get_command(app)))
+COMMANDS = dict(all_commands(typer.main.get_command(app)))
 
 
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
@@ -58,9 +58,7 @@ def test_every_command_has_help(path, flag, capsys):
 
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
 def test_every_command_and_option_says_what_it_is(path):
-    command = typer.main.get_command(app)
-    for name in path:
-        command = command.commands[name]
+    command = COMMANDS[path]
     assert command.help
     for parameter in command.params:
         assert parameter.help, f"{' '.join(path)} {parameter.name}"

@@ -3,6 +3,7 @@
 import json
 import signal
 import threading
+from pathlib import Path
 
 import msgpack
 import numpy as np
@@ -72,6 +73,8 @@ def test_a_silent_operator_makes_the_robot_hold_then_stop_and_it_goes_on_after(
     listener = Witness(endpoint)
     try:
         listener.wait_until(lambda s: s.mode == "run" and s.velocity[0] > 0.1)
+        for program in (robot, operator):  # a mesh may come at any time, and waits for nothing to be loaded
+            assert "_qhull" in Path(f"/proc/{program.pid}/maps").read_text()
         operator.signal(signal.SIGSTOP)
         listener.forget()
         stopped = listener.wait_until(lambda s: s.mode == "stopped" and max(map(abs, s.velocity)) < 1e-6)

@@ -11,6 +11,7 @@ from farhand.netem.chain import Chain
 from farhand.netem.impairments.loss_markov import stationary
 from farhand.netem.impairments.paretonormal import NORMAL_PART, PARETO_PART
 from farhand.netem.spec import parse_spec
+from tests.examples import also
 
 KEY = "farhand/r/state"
 N = 20_000
@@ -69,8 +70,14 @@ def test_a_wrong_distribution_is_found_out(text):
     assert stats.kstest(delays(text) * 1.02, DISTRIBUTIONS[text]).pvalue < 0.01
 
 
-@pytest.mark.parametrize("correlation", [0.25, 0.9])
-@pytest.mark.parametrize("text", DISTRIBUTIONS)
+@pytest.mark.parametrize(
+    ("text", "correlation"),
+    [
+        *((text, 0.25) for text in DISTRIBUTIONS),
+        ("gaussian:200,20", 0.9),
+        *(also(text, 0.9) for text in DISTRIBUTIONS if not text.startswith("gaussian")),
+    ],
+)
 def test_correlation_leaves_the_distribution(text, correlation):
     """Every 60th message is as good as independent: 0.9^60 = 0.002."""
     found = delays(f"{text},{correlation * 100:g}%", count=180_000 if correlation > 0.5 else 40_000)

@@ -6,6 +6,8 @@ import pytest
 from farhand.common.errors import TraceError
 from farhand.common.seeds import stream
 from farhand.netem.models.profiles import PROFILES, load_model
+from farhand.netem.models.sampler import _gamma_table
+from farhand.netem.spec import parse_spec
 
 COUNT = 60_000
 
@@ -19,6 +21,15 @@ def draw(name, direction, count=COUNT, step=0.02, seed=3):
 
 def round_trips(name, **options):
     return draw(name, "uplink", **options) + draw(name, "downlink", **options)
+
+
+def test_a_network_that_was_checked_delays_without_computing_first():
+    """It may be changed while it runs: what takes long is done before, by whoever asks for the change."""
+    _gamma_table.cache_clear()
+    parse_spec("5g-urban").prepare()
+    draw("5g-urban", "uplink", count=1)
+    table = _gamma_table.cache_info()
+    assert (table.hits, table.misses) == (1, 1)
 
 
 def test_lund_stockholm_has_the_published_moments():

@@ -13,7 +13,7 @@ from farhand.operator_side.control.newton import NewtonController
 from farhand.operator_side.control.sqp import SqpController
 from tests.examples import THOROUGH
 
-NUMBER = 200 if THOROUGH else 60
+NUMBER = 200 if THOROUGH else 40
 EXPLAINED = (
     "same plan, cost within the rows' tolerance",
     "another local optimum, cheaper",
