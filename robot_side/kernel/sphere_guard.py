@@ -12,6 +12,8 @@ keeps all its rows, so that the answer of min |u - u_c|^2 is no faster than u_c.
 Then the straight way until it stands, after one period under u with the longest and the shortest lag, must stay clear
 of all that stands; else 3/4, 1/2, 1/4 of u, then zero.
 
+Where something moves, u must leave a way out for what comes after (escape.py); else the way out is taken.
+
 Arrays: x, v, u_c (asked), u: (3,) m, m/s. rows, vertices: the table of obstacles. par: the constants named below.
 """
 
@@ -22,26 +24,26 @@ import math
 
 import numpy as np
 
-from farhand.robot_side.kernel.distance import ACCELERATION, NOTHING, VELOCITY, capsule_row, distance_floor
+from farhand.robot_side.kernel.distance import ACCELERATION, NOTHING, capsule_row, distance_floor
+from farhand.robot_side.kernel.escape import AS_IT_IS, ESCAPE, escape
 from farhand.robot_side.kernel.jit import compiled
 from farhand.robot_side.kernel.qp import SOLVED, solve, yielding
+from farhand.robot_side.kernel.sphere_way import (
+    FASTEST,
+    KAPPA,
+    KEEP,
+    LAG_HIGH,
+    LIMIT,
+    RADIUS,
+    stands,
+    stopping,
+    way_is_clear,
+)
 
-# par: radius of the sphere, distances that rows and check keep (m), period, shortest and longest lag (s), bound of the
-# acceleration (m/s^2; 0: none), kappa (1/s), fastest answer in any axis (m/s)
-RADIUS, KEEP, CHECK, DT, LAG_LOW, LAG_HIGH, LIMIT, KAPPA, FASTEST = range(9)
-PARAMETERS = 9
 FREE, CHANGED, PINCHED, BRAKED, BAD = range(5)
 CAPACITY = 40
 SAME = 1e-9
 """m/s: an answer that differs by less is what was asked."""
-
-
-@compiled
-def stopping(speed, lag, limit):
-    """Stopping distance over speed (s): of a robot with that lag, and that bound of its acceleration."""
-    if limit <= 0.0 or speed <= limit * lag:
-        return lag
-    return (speed * speed + limit * limit * lag * lag) / (2.0 * limit * speed)
 
 
 @compiled
@@ -63,56 +65,11 @@ def bound(d, nv, nvo, w, acceleration, par):
 
 
 @compiled
-def way_is_clear(x, v, u, rows, vertices, par):
-    """Index of the standing obstacle that the robot could meet before it stands; -1: none."""
-    a, b = np.empty(3), np.empty(3)
-    for extreme in range(2):
-        lag = par[LAG_HIGH] if extreme else par[LAG_LOW]
-        decay = math.exp(-par[DT] / lag) if lag > 0.0 else 0.0
-        speed = 0.0
-        most = 1.0
-        if par[LIMIT] > 0.0:
-            change = 0.0
-            for k in range(3):
-                change += ((1.0 - decay) * (u[k] - v[k])) ** 2
-            change = math.sqrt(change)
-            if change > par[LIMIT] * par[DT]:
-                most = par[LIMIT] * par[DT] / change
-        for k in range(3):
-            b[k] = v[k] + most * (1.0 - decay) * (u[k] - v[k])
-            a[k] = x[k] + 0.5 * par[DT] * (v[k] + b[k])
-            speed += b[k] * b[k]
-        T = stopping(math.sqrt(speed), par[LAG_HIGH], par[LIMIT])
-        for k in range(3):
-            b[k] = a[k] + T * b[k]
-        for j in range(rows.shape[0]):
-            if not _stands(rows[j]) or distance_floor(a, b, par[RADIUS], rows[j]) >= par[CHECK]:
-                continue
-            if capsule_row(a, b, par[RADIUS], rows[j], vertices)[0] >= par[CHECK]:
-                continue
-            # what is too near now already must only not come nearer
-            here = capsule_row(x, x, par[RADIUS], rows[j], vertices)[0]
-            there = capsule_row(b, b, par[RADIUS], rows[j], vertices)[0]
-            if here >= par[CHECK] or there < here - 1e-6:
-                return j
-    return -1
-
-
-@compiled
-def _stands(row):
-    return (
-        row[VELOCITY] == 0.0
-        and row[VELOCITY + 1] == 0.0
-        and row[VELOCITY + 2] == 0.0
-        and row[ACCELERATION] == 0.0
-    )
-
-
-@compiled
-def guard(given, rows, vertices, par, u, facts):
+def guard(given, rows, vertices, par, held, u, facts):
     """Fill u and facts; returns what was done (FREE ...).
 
     given: (9,) x, v and u_c.
+    held: (1,) what `escape` keeps.
     facts: (3,) index of the obstacle that was decisive (-1: none), its distance, the least distance of all (m).
     """
     x, v, u_c = given[:3], given[3:6], given[6:]
@@ -133,13 +90,13 @@ def guard(given, rows, vertices, par, u, facts):
             continue
         d, _, nx, ny, nz = capsule_row(x, x, par[RADIUS], rows[j], vertices)
         facts[2] = min(facts[2], d)
-        stands = _stands(rows[j])
-        still = still and stands
+        standing = stands(rows[j])
+        still = still and standing
         wx, wy, wz = v[0] - rows[j, 16], v[1] - rows[j, 17], v[2] - rows[j, 18]
         nv = nx * v[0] + ny * v[1] + nz * v[2]
         nvo = nx * rows[j, 16] + ny * rows[j, 17] + nz * rows[j, 18]
         w = math.sqrt(wx * wx + wy * wy + wz * wz)
-        least = bound(d - par[KEEP], nv, nvo, w, -1.0 if stands else rows[j, ACCELERATION], par)
+        least = bound(d - par[KEEP], nv, nvo, w, -1.0 if standing else rows[j, ACCELERATION], par)
         if least < -1.8 * par[FASTEST]:  # no answer in the box breaks it
             continue
         at = count
@@ -184,7 +141,12 @@ def guard(given, rows, vertices, par, u, facts):
             hit = way_is_clear(x, v, u, rows, vertices, par) if share > 0.0 else -1
         if done == BRAKED:
             facts[1] = capsule_row(x, x, par[RADIUS], rows[int(facts[0])], vertices)[0]
-    return done
+    left, mover = escape(x, v, u, rows, vertices, par, held)
+    if left == AS_IT_IS:
+        return CHANGED if done == PINCHED else done
+    facts[0] = mover
+    facts[1] = capsule_row(x, x, par[RADIUS], rows[mover], vertices)[0]
+    return CHANGED if left == ESCAPE else PINCHED
 
 
 @compiled

@@ -22,6 +22,9 @@ class Cell:
         safe, safe_low, safe_high: likewise.
         finished: of them.
         violations: sum.
+        evadable: of them, those that the robot could have evaded; sum.
+        run_over: of them, those in which the robot stood in a latched stop; sum.
+        could_evade: runs with one that it could have evaded.
         depth: greatest (m).
         seconds: of violation, sum (s).
         least, median: clearance of the robot (m).
@@ -44,6 +47,9 @@ class Cell:
     safe_high: float
     finished: int
     violations: int
+    evadable: int
+    run_over: int
+    could_evade: int
     depth: float
     seconds: float
     least: float | None
@@ -89,6 +95,9 @@ def cell_of(rows: Sequence[Row]) -> Cell:
         safe_high=safe_interval[1],
         finished=len(done),
         violations=sum(row.violations for row in good),
+        evadable=sum(row.evadable for row in good),
+        run_over=sum(row.run_over for row in good),
+        could_evade=sum(row.evadable > 0 for row in good),
         depth=max((row.violation_depth for row in good), default=0.0),
         seconds=sum(row.violation_seconds for row in good),
         least=min(clearances, default=None),

@@ -6,6 +6,7 @@ const clamp = (v) => Math.max(0, Math.min(1, v));
 const MEASURES = {
   safe: { says: "safe, %", text: pc, bad: (v) => clamp((1 - v) / 0.5), worst: "50 % and less", best: "all runs" },
   done: { says: "safe and done, %", text: pc, bad: (v) => clamp((1 - v) / 0.8), worst: "20 % and less", best: "all runs" },
+  evades: { says: "runs with a violation that the robot could have evaded, %", text: pc, bad: (v) => clamp(v / 0.5), worst: "50 % and more", best: "none" },
   depth: { says: "deepest violation, mm", text: mm, bad: (v) => clamp(v / 0.2), worst: "200 mm and more", best: "none" },
   least: { says: "smallest clearance, mm", text: mm, bad: (v) => clamp((0.03 - v) / 0.15), worst: "−120 mm and less", best: "30 mm and more" },
   tool: { says: "smallest clearance of the tool's sphere, mm", text: mm, bad: (v) => clamp((0.03 - v) / 0.15), worst: "−120 mm and less", best: "30 mm and more" },
@@ -117,6 +118,7 @@ function detail() {
     ["safe", `${cell.safeOf || 0}: ${range(cell.safeIn)}`],
     ["safe and done", `${cell.doneOf || 0}: ${range(cell.doneIn)}`],
     ["violations", cell.violations ? `${cell.violations}, up to ${mm(cell.depth || 0)} mm, ${cell.seconds || 0} s in all` : "none"],
+    ["could be evaded", cell.violations ? `${cell.evadable || 0}, in ${cell.couldEvade || 0} runs; run over in a latched stop: ${cell.runOver || 0}` : "–"],
     ["clearance, least and median", `${or(cell.least, mm)} and ${or(cell.median, mm)} mm`],
     ["of the tool's sphere, least", or(cell.tool, (v) => `${mm(v)} mm`)],
     ["time over the ideal's", or(cell.time, (v) => v.toFixed(3))],

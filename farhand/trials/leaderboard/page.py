@@ -45,7 +45,9 @@ def html(board: Board, posed: Sequence[Posed], rows: Sequence[Row], folder: Path
 <header><h1>Safety over bad networks</h1>
 <p>The same tasks, networks and seeds for every method, in virtual time: {len(rows) - crashed} runs. A run is
 <b>safe</b> if no part of the robot ever came nearer than 10 mm to anything; it is
-<b>done</b> if it was safe and reached every target. Intervals are exact, 95 % (Clopper and Pearson). Choose a cell for
+<b>done</b> if it was safe and reached every target. A violation is <b>evadable</b> if one
+constant velocity, from some instant in the 2 s before, would have kept the robot clear; it was <b>run over</b> if it
+stood in a latched stop, in which it may not move. Intervals are exact, 95 % (Clopper and Pearson). Choose a cell for
 its figures and for the command that repeats it.</p></header>
 <main>
 <div class="controls" id="controls"></div>
@@ -110,6 +112,10 @@ def _figures(cell: Cell) -> dict[str, Any]:
         "safeOf": cell.safe,
         "safeIn": [_rounded(cell.safe_low, 4), _rounded(cell.safe_high, 4)],
         "violations": cell.violations,
+        "evadable": cell.evadable,
+        "runOver": cell.run_over,
+        "couldEvade": cell.could_evade,
+        "evades": _rounded(cell.could_evade / cell.runs, 5) if cell.runs else None,
         "depth": _rounded(cell.depth, 4),
         "seconds": _rounded(cell.seconds, 2),
         "least": _rounded(cell.least, 4),

@@ -39,6 +39,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         safe: no part of the robot ever nearer than d_min to anything: of an arm its links, else the sphere.
         finished: every target reached within the time limit.
         violations: times it was not.
+        evadable: of them, those that the robot could have evaded; see evasion.py.
+        run_over: of them, those in which something ran into a robot that stood in a latched stop.
         violation_depth: how far beyond the limit (m).
         violation_seconds: for how long in all (s).
         min_clearance: smallest of the robot (m).
@@ -84,6 +86,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     safe: bool = False
     finished: bool = False
     violations: int = 0
+    evadable: int = 0
+    run_over: int = 0
     violation_depth: float = 0.0
     violation_seconds: float = 0.0
     min_clearance: float | None = None

@@ -10,8 +10,9 @@ from farhand.common.messages.report import ControlReport
 from farhand.laboratory.campaigns.jobs import DIGEST_DIGITS
 from farhand.laboratory.simulation import SimulationResult
 from farhand.runs.run import Run
-from farhand.runs.scenario import scenario_from_table
+from farhand.runs.scenario import Scenario, scenario_from_table
 from farhand.runs.why import INTERRUPTED
+from farhand.trials.leaderboard.evasion import judged
 from farhand.trials.leaderboard.method import method_named
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.rows import Row, Spec, lost, row_of
@@ -52,15 +53,16 @@ def witnessed(spec: Spec) -> Row:
     run = run_of(spec)
     gives_up = OPERATORS[spec.operator].finishes
     result, seen = watched(run, gives_up=gives_up, keep_reports=True, digest=True)
-    return _row(spec, result, seen, run.scenario.controller.speed_limit)
+    return _row(spec, result, seen, run.scenario)
 
 
-def _row(spec: Spec, result: SimulationResult, seen: Seen, limit: Vector3) -> Row:
+def _row(spec: Spec, result: SimulationResult, seen: Seen, scenario: Scenario) -> Row:
     summary = result.summary
     body = seen.body
+    verdict = judged(body.count, seen.encounters, scenario)
     safe = bool(summary.driven) and not body.count
     stuck = summary.why == INTERRUPTED
-    share, strength = _filtered(result.reports, limit)
+    share, strength = _filtered(result.reports, scenario.controller.speed_limit)
     robot = summary.counts.robot
     guarded = robot.guard_seconds if robot is not None else 0.0
     return msgspec.structs.replace(
@@ -69,6 +71,8 @@ def _row(spec: Spec, result: SimulationResult, seen: Seen, limit: Vector3) -> Ro
         safe=safe,
         finished=summary.finished,
         violations=body.count,
+        evadable=verdict.evadable,
+        run_over=verdict.run_over,
         violation_depth=body.depth,
         violation_seconds=body.seconds,
         min_clearance=body.nearest,

@@ -1,6 +1,6 @@
 """The table as people read it in a terminal and in Markdown."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from rich.table import Table
 
@@ -11,6 +11,7 @@ from farhand.trials.leaderboard.rows import Row
 
 NOTE = (
     "safe: no part of the robot nearer than d_min; done: safe, and every target reached. Clopper-Pearson, 95 %. "
+    "evadable: runs with a violation that the robot could have evaded. "
     "time: median over the ideal, undelayed operator's on the same task."
 )
 
@@ -35,7 +36,7 @@ def by_method(rows: Sequence[Row]) -> Table:
     table = Table(caption=NOTE, caption_justify="left", caption_style="")
     for name in ("operator", "method"):
         table.add_column(name, no_wrap=True)
-    for name in ("runs", "safe %", "done %", "deepest mm", "least mm", "time", "stops"):
+    for name in ("runs", "safe %", "done %", "evadable", "deepest mm", "least mm", "time", "stops"):
         table.add_column(name, justify="right")
     shown = ""
     for (operator, method), cell in cells_by(rows, lambda row: (row.operator, row.method)).items():
@@ -82,31 +83,33 @@ def to_markdown(rows: Sequence[Row], posed: Sequence[Posed], command: str) -> st
     lines = [
         f"    {command}",
         "",
-        "| operator | method | runs | safe % (95 %) | done % (95 %) | violations | deepest mm | ",
+        "| operator | method | runs | safe % (95 %) | done % (95 %) | violations | evadable | run over | deepest mm | ",
     ]
     lines[-1] += "least mm | time | path | filtered % | guard % | stops | smoothness |"
-    lines.append("|" + "---|" * 14)
+    lines.append("|" + "---|" * 16)
     for (operator, method), c in cells_by(rows, lambda row: (row.operator, row.method)).items():
         lines.append("| " + " | ".join([operator, method, *_long(c)]) + " |")
-    scenes = list(dict.fromkeys(row.scene for row in rows))
-    lines += [
-        "",
-        "Safe runs by scene, %:",
-        "",
-        "| method | " + " | ".join(scenes) + " |",
-        "|" + "---|" * (1 + len(scenes)),
-    ]
-    cells = cells_by(rows, lambda row: (row.method, row.scene))
-    for method in dict.fromkeys(row.method for row in rows):
-        found = [cells.get((method, scene)) for scene in scenes]
-        texts = ["–" if c is None else f"{percent(c.safe_rate)} ({c.safe}/{c.runs})" for c in found]
-        lines.append(f"| {method} | " + " | ".join(texts) + " |")
+    lines += ["", "Safe runs by scene, %:", ""]
+    lines += _scenes(rows, lambda c: f"{percent(c.safe_rate)} ({c.safe}/{c.runs})")
+    lines += ["", "Runs by scene with a violation that the robot could have evaded:", ""]
+    lines += _scenes(rows, lambda c: f"{c.could_evade}/{c.runs}")
     crashed = [row for row in rows if row.error]
     lines += ["", "The deepest violation of each method, and how to have it again:", "", *_worst(rows, posed)]
     lines += ["", NOTE, f"Draws thrown away (unfit and undoable, for so many tasks): {redrawn(posed)}."]
     if crashed:
         lines.append(f"{len(crashed)} runs crashed.")
     return "\n".join(lines) + "\n"
+
+
+def _scenes(rows: Sequence[Row], text: Callable[[Cell], str]) -> list[str]:
+    """A line a method, a column a scene."""
+    scenes = list(dict.fromkeys(row.scene for row in rows))
+    lines = ["| method | " + " | ".join(scenes) + " |", "|" + "---|" * (1 + len(scenes))]
+    cells = cells_by(rows, lambda row: (row.method, row.scene))
+    for method in dict.fromkeys(row.method for row in rows):
+        found = [cells.get((method, scene)) for scene in scenes]
+        lines.append(f"| {method} | " + " | ".join("–" if c is None else text(c) for c in found) + " |")
+    return lines
 
 
 def _worst(rows: Sequence[Row], posed: Sequence[Posed]) -> list[str]:
@@ -129,6 +132,7 @@ def _figures(cell: Cell) -> tuple[str, ...]:
         str(cell.runs),
         percent(cell.safe_rate),
         percent(cell.success_rate),
+        str(cell.could_evade),
         millimetres(cell.depth) if cell.violations else "–",
         millimetres(cell.least),
         "–" if cell.time is None else f"{cell.time:.2f}",
@@ -148,6 +152,8 @@ def _long(c: Cell) -> list[str]:
         rate(c.safe_rate, c.safe_low, c.safe_high),
         rate(c.success_rate, c.success_low, c.success_high),
         str(c.violations),
+        str(c.evadable),
+        str(c.run_over),
         millimetres(c.depth) if c.violations else "–",
         millimetres(c.least),
         plain(c.time),

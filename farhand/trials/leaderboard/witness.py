@@ -1,13 +1,18 @@
 """The truth about a run, measured beside the robot at every tick, by exact shapes and by nobody's word."""
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from farhand.common.geometry import Array, Twist, distance
+from farhand.common.link.link import Packet
+from farhand.common.messages.codec import Decoder
 from farhand.common.messages.intervention import Intervention
+from farhand.common.messages.keys import state_key
 from farhand.common.messages.scene import Obstacle
+from farhand.common.messages.state import RobotState
 from farhand.laboratory.simulation import SimulationResult, simulate_run
 from farhand.robot_side.arm.model import model
 from farhand.robot_side.robots.registry import make_robot
@@ -17,6 +22,7 @@ from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.scene.surroundings import Surroundings
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario
+from farhand.trials.leaderboard.evasion import EVERY, WINDOW, Encounter, Moment
 from farhand.trials.safety.arm_run import Judge
 
 ARM_EVERY = 5
@@ -63,11 +69,13 @@ class Seen:
     tool: of the sphere around the tool, which is all of a robot without links.
     links: of an arm's, by the hulls of their meshes; None for a robot without any.
     speeds: of the tool at 100 Hz (m/s).
+    encounters: the violations of a sphere among what moves, each with what was before.
     """
 
     tool: Violations
     links: Violations | None = None
     speeds: list[float] = field(default_factory=list)
+    encounters: list[Encounter] = field(default_factory=list)
 
     @property
     def body(self) -> Violations:
@@ -112,6 +120,9 @@ class Witness(Robot):
             self.seen.links = Violations(d_min)
         rate_hz = scenario.robot.rate_hz
         self._every = max(1, round(rate_hz / SPEED_RATE_HZ))
+        self._evades = not name and any(o.moves for o in scenario.obstacles)
+        self._before: deque[Moment] = deque(maxlen=round((WINDOW + EVERY) * rate_hz))
+        self._key, self._states, self._stopped = state_key(scenario.robot.kind), Decoder(RobotState), False
 
     def sample(self) -> RobotSample:
         """See Robot."""
@@ -144,12 +155,26 @@ class Witness(Robot):
         """See Robot."""
         return self._robot.held_by()
 
+    def robot_sent(self, packet: Packet) -> None:
+        """See Tap: the mode is the watchdog's, and nothing else tells it."""
+        if self._evades and packet.key == self._key:
+            state = self._states.decode(packet.payload)
+            self._stopped = state is not None and state.mode in ("stopped", "estop")
+
+    def operator_got(self, packet: Packet, now_ns: int) -> None:
+        """See Tap."""
+
     def _look(self, dt: float) -> None:
         """Measure what is true at the beginning of a tick."""
         tick, sample, seen = self._ticks, self._sample, self.seen
         self._ticks += 1
         now_ns = round(tick * dt * 1e9)
+        before = seen.tool.count
         seen.tool.look(self._field.clearance(sample.position, self._radius, now_ns), dt)
+        if self._evades:
+            self._before.append(Moment(tick * dt, sample.position, sample.velocity, self._stopped))
+            if seen.tool.count > before:
+                seen.encounters.append(Encounter(tuple(self._before)))
         if tick % self._every == 0:
             seen.speeds.append(float(np.linalg.norm(sample.velocity)))
             if distance(sample.position, self._place) > STILL:
@@ -183,6 +208,7 @@ def watched(
         result = simulate_run(
             run,
             robot=witness,
+            tap=witness,
             stop=lambda: gives_up and witness.stands,
             keep_reports=keep_reports,
             digest=digest,

@@ -7,22 +7,18 @@ import numpy as np
 from farhand.common.geometry import Twist, Vector3
 from farhand.common.messages.intervention import Intervention, deed
 from farhand.robot_side.kernel.distance import ACCELERATION, COLUMNS, VELOCITY, nearest_row
-from farhand.robot_side.kernel.sphere_guard import (
-    BAD,
-    BRAKED,
+from farhand.robot_side.kernel.sphere_guard import BAD, BRAKED, FREE, PINCHED, guard
+from farhand.robot_side.kernel.sphere_way import (
     CHECK,
     DT,
     FASTEST,
-    FREE,
     KAPPA,
     KEEP,
     LAG_HIGH,
     LAG_LOW,
     LIMIT,
     PARAMETERS,
-    PINCHED,
     RADIUS,
-    guard,
     stopping,
 )
 from farhand.robot_side.safety.guard.crowding import Crowding
@@ -65,11 +61,11 @@ class ToolGuard:
         self._par = par
         self._limit = settings.d_min
         self._given, self._write = np.zeros(9), Struct("9d").pack_into
-        self._u, self._facts = np.zeros(3), np.zeros(3)
+        self._u, self._facts, self._held = np.zeros(3), np.zeros(3), np.zeros(1, np.int64)
         self.did: Intervention | None = None
         self.pinched = 0
         # compiled, or loaded, now and not in the first period
-        guard(self._given, np.zeros((0, COLUMNS)), np.zeros((0, 3)), par, self._u, self._facts)
+        guard(self._given, np.zeros((0, COLUMNS)), np.zeros((0, 3)), par, self._held, self._u, self._facts)
         self.crowded(
             (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), Surroundings(np.zeros((0, COLUMNS)), np.zeros((0, 3)), ())
         )
@@ -88,7 +84,7 @@ class ToolGuard:
             around: the obstacles now.
         """
         self._write(self._given.data, 0, *position, *velocity, *asked.linear)
-        done = guard(self._given, around.rows, around.vertices, self._par, self._u, self._facts)
+        done = guard(self._given, around.rows, around.vertices, self._par, self._held, self._u, self._facts)
         self.did = None
         if done == FREE:
             return asked

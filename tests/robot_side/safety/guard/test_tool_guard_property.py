@@ -137,3 +137,45 @@ def test_it_turns_where_that_way_is_free():
     assert done.linear == pytest.approx((0.0, 0.0, 0.5), abs=1e-3)
     assert guard.did is not None
     assert guard.did.what == "turned"
+
+
+def _least_between_balls(asked, seconds, speed):
+    """Clearance of a point between two balls that a third comes along to, all in one plane (m)."""
+    guard, scene = ToolGuard(GuardSettings(d_min=D_MIN), RADIUS, 0.1, DT), _between_balls()
+    x, v, share, least = np.zeros(3), np.zeros(3), 1.0 - math.exp(-DT / 0.1), 1e6
+    for tick in range(round(seconds / DT)):
+        centre = (0.9 - speed * tick * DT, 0.0, 0.0)
+        scene.move(2, centre, (-speed, 0.0, 0.0))
+        gaps = [np.linalg.norm(x - row[1:4]) - row[13] - RADIUS for row in scene.rows]
+        least = min(least, *gaps)
+        done = guard.allow(to_vector3(x.tolist()), to_vector3(v.tolist()), Twist(asked), scene)
+        change = share * (np.array(done.linear) - v)
+        x, v = x + DT * (v + 0.5 * change), v + change
+    return least, guard
+
+
+def _between_balls():
+    places = ((-0.25, 0.0, 0.22), (-0.25, 0.0, -0.22), (0.9, 0.0, 0.0))
+    return surroundings_of(
+        [Obstacle(id=f"ball-{i}", position=place, shape=Sphere(0.2)) for i, place in enumerate(places)]
+    )
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.3, 0.5])
+@pytest.mark.parametrize("asked", [(-0.5, 0.0, 0.0), (0.0, 0.0, 0.0)])
+def test_what_comes_while_it_stands_in_a_corner_is_left_by_the_third_way(asked, speed):
+    """No row points out of the plane: a guard that looks at them alone stays in the corner until it is hit."""
+    least, guard = _least_between_balls(asked, 1.2 / speed, speed)
+    assert least >= D_MIN
+    assert guard.pinched == 0
+
+
+def test_a_way_that_is_free_is_not_left():
+    """What passes by changes nothing of what is asked."""
+    guard = ToolGuard(GuardSettings(d_min=D_MIN), RADIUS, 0.1, DT)
+    scene = surroundings_of(
+        [Obstacle(id="mover", position=(0.9, 0.5, 0.0), velocity=(-0.3, 0.0, 0.0), shape=Sphere(0.2))]
+    )
+    asked = Twist((0.0, 0.0, 0.1))
+    assert guard.allow((0.0, 0.0, 0.0), (0.0, 0.0, 0.1), asked, scene) == asked
+    assert guard.did is None
