@@ -24,4 +24,4 @@ def test_it_is_remembered_when_it_first_stood_whatever_came_later():
     stood = [True] * 5 + [False] * (round(STANDS_FOR / 0.01) + 2)
     for later in ([], [True] * 50, [True] * 50 + [False] * 100):
         assert watched(stood + later).first == pytest.approx(0.06)
-    assert watched(stood + [True]).stands is None
+    assert watched([*stood, True]).stands is None
