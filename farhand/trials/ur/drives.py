@@ -3,6 +3,7 @@
 Beside it in virtual time, where the network and the operator repeat: what two arms differ by is the arms' alone.
 """
 
+import itertools
 import json
 import tempfile
 from collections.abc import Sequence
@@ -24,6 +25,7 @@ from farhand.robot_side.robots.robot import Robot
 from farhand.robot_side.robots.settings import RobotScenario
 from farhand.robot_side.scene.surroundings import Surroundings
 from farhand.runs.scenario import Scenario, load_scenario, replace_setting
+from farhand.trials.ur.idle_loop import IdleLoop
 from farhand.trials.ur.lockstep import LockstepUr
 from farhand.trials.ur.rig import Rig
 
@@ -45,8 +47,9 @@ class Drive:
     finished: whether all targets were reached.
     clearance: least, of the tool's sphere (m).
     arm_clearance: least, of the whole arm (m).
-    apart, apart_driven, apart_late: how far the path is from the simulated arm's: see `Apart` (m).
+    apart, apart_driven, apart_late, apart_draws: how far paths are from each other: see `Apart` (m).
     overruns: share of the robot's periods that were missed.
+    idle_overruns: the same of a loop beside it that does nothing: the machine's own.
     """
 
     network: str
@@ -56,7 +59,9 @@ class Drive:
     apart: float
     apart_driven: float
     apart_late: float
+    apart_draws: float
     overruns: float
+    idle_overruns: float
 
     @property
     def good(self) -> bool:
@@ -76,8 +81,11 @@ def apart(path: Array, other: Array) -> float:
     return farthest
 
 
-def drive(rig: Rig, network: str, folder: Path) -> tuple[bool, dict[str, Any]]:
-    """Operator, network and robot until the task is over; whether it was finished, and the robot's result."""
+def drive(rig: Rig, network: str, folder: Path, rate_hz: float) -> tuple[bool, dict[str, Any], float]:
+    """Operator, network and robot until the task is over.
+
+    Returns whether it was finished, the robot's result, and the share of periods that an idle loop beside it missed.
+    """
     operator_port, robot_port = free_ports(2)
     near, far = (f"tcp/127.0.0.1:{port}" for port in (operator_port, robot_port))
     words = ("--network", network, "--seed", str(SEEDS[0]), "--listen-operator", near, "--listen-robot", far)
@@ -85,13 +93,16 @@ def drive(rig: Rig, network: str, folder: Path) -> tuple[bool, dict[str, Any]]:
     result = folder / "robot.json"
     rig.endpoint = far
     rig.start_robot(connects=True, result=result)
-    code = rig.farhand(
-        "operator", "--robot", "ur", "--connect", near, "--time-limit", "120", "--scenario", SCENARIO
-    )
+    idle = IdleLoop(rate_hz)
+    words = ("--robot", "ur", "--connect", near, "--time-limit", "120", "--scenario", SCENARIO)
+    try:
+        code = rig.farhand("operator", *words)
+    finally:
+        missed = idle.end()
     rig.interrupt("robot")
     rig.interrupt("netem")
     found: dict[str, Any] = json.loads(result.read_text())
-    return code == 0, found
+    return code == 0, found, missed
 
 
 class Apart(NamedTuple):
@@ -102,31 +113,35 @@ class Apart(NamedTuple):
         driven: of the same two, each driven by an operator of its own: where a target counts as reached a tick
             earlier, the operator turns earlier.
         late: of two simulated arms, each driven so, of which one answers one period later: what instants alone do.
+        draws: of the simulated arm over two draws of the network.
     """
 
     alike: float
     driven: float
     late: float
+    draws: float
 
 
 def apart_in_lockstep(network: str, rate_hz: float, seeds: Sequence[int] = SEEDS) -> Apart:
-    """The largest over some draws of the network."""
-    each = [_apart_over(network, rate_hz, seed) for seed in seeds]
-    return Apart(*(max(values) for values in zip(*each, strict=True)))
-
-
-def _apart_over(network: str, rate_hz: float, seed: int) -> Apart:
+    """The largest over some draws of the network, and between them."""
     scenario = replace_setting(load_scenario(SCENARIO), "robot.rate_hz", rate_hz)
+    found, paths = [], []
+    for seed in seeds:
 
-    def path(robot: Robot) -> Array:
-        return places(simulate(scenario, network=network, seed=seed, robot=robot).trajectory)
+        def path(robot: Robot, seed: int = seed) -> Array:
+            return places(simulate(scenario, network=network, seed=seed, robot=robot).trajectory)
 
-    with closing(ArmRobot(scenario)) as arm, closing(LateArm(scenario)) as later:
-        simulated, late = path(arm), path(later)
-    with closing(LockstepUr(scenario)) as emulator:
-        emulated = path(emulator)
-    followed = _followed(scenario, emulator, 1.0 / rate_hz)
-    return Apart(both_ways(followed, emulated), both_ways(simulated, emulated), both_ways(simulated, late))
+        with closing(ArmRobot(scenario)) as arm, closing(LateArm(scenario)) as later:
+            simulated, late = path(arm), path(later)
+        with closing(LockstepUr(scenario)) as emulator:
+            emulated = path(emulator)
+        followed = _followed(scenario, emulator, 1.0 / rate_hz)
+        pairs = (followed, emulated), (simulated, emulated), (simulated, late)
+        found.append([both_ways(*pair) for pair in pairs])
+        paths.append(simulated)
+    draws = [both_ways(*pair) for pair in itertools.combinations(paths, 2)]
+    alike, driven, late = (max(each) for each in zip(*found, strict=True))
+    return Apart(alike, driven, late, max(draws, default=0.0))
 
 
 class LateArm(ArmRobot):
@@ -179,7 +194,7 @@ def run_drives(address: str, rate_hz: float, networks: tuple[str, ...], as_json:
         with tempfile.TemporaryDirectory(prefix="farhand-ur-") as folder:
             rig = Rig(Path(folder), address, rate_hz, driven=False)
             try:
-                finished, result = drive(rig, network, Path(folder))
+                finished, result, missed = drive(rig, network, Path(folder), rate_hz)
             finally:
                 rig.close()
         found = apart_in_lockstep(network, rate_hz)
@@ -192,7 +207,9 @@ def run_drives(address: str, rate_hz: float, networks: tuple[str, ...], as_json:
                 apart=found.alike,
                 apart_driven=found.driven,
                 apart_late=found.late,
+                apart_draws=found.draws,
                 overruns=result["overruns"] / max(1, result["ticks"]),
+                idle_overruns=missed,
             )
         )
         say("trial", f"  {'good' if drives[-1].good else 'NOT GOOD'}")
@@ -213,12 +230,16 @@ def _show(drives: list[Drive], rate_hz: float, as_json: bool) -> None:
         "apart (mm)",
         "apart driven (mm)",
         "apart late (mm)",
+        "two draws (mm)",
         "overruns",
+        "idle loop's",
     ):
         table.add_column(column)
     for each in drives:
         clear = f"{each.clearance * 1e3:.1f}", f"{each.arm_clearance * 1e3:.1f}", f"{each.apart * 1e3:.2f}"
-        others = f"{each.apart_driven * 1e3:.2f}", f"{each.apart_late * 1e3:.2f}"
-        table.add_row(each.network, "yes" if each.finished else "NO", *clear, *others, f"{each.overruns:.3%}")
+        apart_by = each.apart_driven, each.apart_late, each.apart_draws
+        others = [f"{metres * 1e3:.2f}" for metres in apart_by]
+        missed = f"{each.overruns:.3%}", f"{each.idle_overruns:.3%}"
+        table.add_row(each.network, "yes" if each.finished else "NO", *clear, *others, *missed)
     console = page()
     console.print(whole(table, console))
