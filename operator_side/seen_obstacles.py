@@ -14,7 +14,7 @@ import numpy as np
 
 from farhand.common.geometry import Array
 from farhand.common.messages.scene import Scene
-from farhand.common.shapes.cover import cover, plane_of
+from farhand.common.shapes.cover import covers, plane_of
 from farhand.common.shapes.obstacle import Obstacle, place
 from farhand.common.shapes.pose import rotation
 from farhand.operator_side.control.settings import ControllerSettings
@@ -104,9 +104,9 @@ class SeenObstacles:
 
 def _balls(obstacles: Sequence[Obstacle]) -> Iterator[tuple[Obstacle, Array, float]]:
     """Each sphere with its obstacle, its centre in the base frame and its radius (m)."""
-    for obstacle in obstacles:
+    for obstacle, spheres in zip(obstacles, covers(obstacles), strict=True):
         turn, position = np.array(rotation(obstacle.orientation)), np.array(obstacle.position)
-        for centre, radius in zip(*cover(obstacle), strict=True):
+        for centre, radius in zip(*spheres, strict=True):
             yield obstacle, position + turn @ centre, float(radius)
 
 

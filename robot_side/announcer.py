@@ -9,6 +9,8 @@ from farhand.robot_side.safety.scene_intake import SceneIntake
 from farhand.robot_side.safety.watchdog import Watchdog
 
 LOOK_EVERY = 0.25
+SCENE_AGAIN = 1.0
+"""s between two lines on refused changes of the scene."""
 _MEANINGS = {
     "foreign-session": "of a session that does not hold control",
     "held": "asks for control that another one holds",
@@ -42,12 +44,13 @@ class Announcer:
         scene: SceneIntake | None = None,
     ) -> None:
         self._say, self._watchdog, self._intake, self._scene = say, watchdog, intake, scene
-        self._lines = RareLines(say)
+        self._lines, self._scene_lines = RareLines(say), RareLines(say, SCENE_AGAIN)
         self._next_ns = 0
         self._holder = 0
         self._stops = 0
         self._latched = False
         self._refused: dict[str, int] = {}
+        self._scene_refused = 0
 
     def look(self, now_ns: int) -> None:
         """Say what is new since the last look, if it is time for one."""
@@ -74,9 +77,19 @@ class Announcer:
             if new:
                 self._lines.note(reason, self._refusal(reason), now_ns, new)
         self._refused = refused
-        while self._scene is not None and self._scene.log:
-            self._say(self._scene.log.popleft())
+        if self._scene is not None:
+            self._look_at_scene(self._scene, now_ns)
         self._lines.tick(now_ns)
+
+    def _look_at_scene(self, scene: SceneIntake, now_ns: int) -> None:
+        while scene.log:
+            self._say(scene.log.popleft())
+        refused = sum(scene.refused.values())
+        if refused > self._scene_refused:
+            text = f"scene: refused {scene.newest_refusal}"
+            self._scene_lines.note("", text, now_ns, refused - self._scene_refused)
+            self._scene_refused = refused
+        self._scene_lines.tick(now_ns)
 
     def _why_free(self) -> str:
         lease = self._watchdog.lease

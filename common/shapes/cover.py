@@ -1,6 +1,7 @@
 """What a solver of spheres and planes sees of an obstacle: spheres that cover it, or a plane."""
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +21,8 @@ EXCESS = 0.02
 """By how much a sphere may leave what it covers (m)."""
 MAX_SPHERES = 2000
 """What takes more of them than this is refused in scenarios."""
+MOST_SPHERES = 4 * MAX_SPHERES
+"""Of all shapes together."""
 
 
 def cover(obstacle: Obstacle) -> tuple[Array, Array]:
@@ -32,7 +35,20 @@ def cover(obstacle: Obstacle) -> tuple[Array, Array]:
     if isinstance(shape, Plane):
         return np.zeros((0, 3)), np.zeros(0)
     found = closely_covered(shape)
-    return found if found is not None else (np.zeros((1, 3)), np.array([shape.bounding_radius]))
+    return found if found is not None else _one_around(shape)
+
+
+def covers(obstacles: Sequence[Obstacle]) -> list[tuple[Array, Array]]:
+    """The `cover` of each obstacle; where all together take more than MOST_SPHERES, those that take most are one
+    sphere each: whatever a scene holds, who solves for it has no more rows than that."""
+    found = [cover(obstacle) for obstacle in obstacles]
+    total = sum(len(radii) for _, radii in found)
+    for index in sorted(range(len(found)), key=lambda i: -len(found[i][1])):
+        if total <= MOST_SPHERES:
+            break
+        total -= len(found[index][1]) - 1
+        found[index] = _one_around(obstacles[index].shape)
+    return found
 
 
 def plane_of(obstacle: Obstacle) -> tuple[Array, Array] | None:
@@ -58,6 +74,10 @@ def closely_covered(shape: Shape) -> tuple[Array, Array] | None:
     for array in found or ():
         array.flags.writeable = False  # the cache hands out the same arrays again
     return found
+
+
+def _one_around(shape: Shape) -> tuple[Array, Array]:
+    return np.zeros((1, 3)), np.array([shape.bounding_radius])
 
 
 def _along(capsule: Capsule) -> tuple[Array, Array] | None:

@@ -31,7 +31,7 @@ def read_mesh(path: Path, scale: float = 1.0) -> tuple[Vector3, ...]:
         InputError: it cannot be read, is no mesh, empty, flat, huge, has too many corners, or is not convex; one line
             without the file's name.
     """
-    triangles = _triangles(path) * scale
+    triangles = read_triangles(path) * scale
     if len(triangles) == 0:
         raise InputError("is empty: there is no face in it")
     points = np.unique(triangles.reshape(-1, 3), axis=0)
@@ -66,7 +66,7 @@ def _deepest(normals: Array, offsets: Array, triangles: Array) -> float:
     return lowest
 
 
-def _triangles(path: Path) -> Array:
+def read_triangles(path: Path) -> Array:
     """(n, 3, 3) corners of the triangles, in the file's units."""
     try:
         with path.open("rb") as file:

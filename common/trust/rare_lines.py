@@ -15,10 +15,11 @@ class RareLines:
 
     Args:
         say: takes a line for people.
+        again: how long after a line of a kind the next one of it comes at the earliest (s).
     """
 
-    def __init__(self, say: Callable[[str], None]) -> None:
-        self._say = say
+    def __init__(self, say: Callable[[str], None], again: float = SAY_AGAIN_AFTER) -> None:
+        self._say, self._again_ns = say, to_ns(again)
         self._texts: dict[str, str] = {}
         self._unsaid: Counter[str] = Counter()
         self._said_ns: dict[str, int] = {}
@@ -39,7 +40,7 @@ class RareLines:
     def tick(self, now_ns: int) -> None:
         """Let time act: say the counts that have waited long enough."""
         for kind, count in list(self._unsaid.items()):
-            if now_ns - self._said_ns[kind] >= to_ns(SAY_AGAIN_AFTER):
+            if now_ns - self._said_ns[kind] >= self._again_ns:
                 del self._unsaid[kind]
                 self._said_ns[kind] = now_ns
                 self._say(f"{self._texts[kind]} ({count} more)")

@@ -19,7 +19,16 @@ def list_arms() -> None:
     from farhand.robot_side.arm.catalogue import ARMS
     from farhand.robot_side.arm.model import model
 
-    print_arms([model(name) for name in ARMS])
+    missing = []
+    arms = []
+    for name in ARMS:
+        try:
+            arms.append(model(name))
+        except InputError as error:
+            missing.append(f"{name}: {error}")
+    print_arms(arms)
+    for line in missing:
+        typer.echo(line)
 
 
 @arm_app.command()

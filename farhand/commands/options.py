@@ -166,7 +166,7 @@ def on_a_real_arm(scenario: "Scenario", host: str, model: str = "") -> "Scenario
         return replace_settings(scenario, {"robot.kind": "ur", "robot.host": host})
     if not known.startswith("ur"):
         if model:
-            raise InputError(f"--model {model!r}: is no UR arm; there are ur3, ur5, ur10")
+            raise InputError(f"--model {model!r}: is no UR arm; there are ur3, ur5, ur10, ur3e, ur5e")
         raise InputError(
             f"--host {host}: scenario {scenario.name} has no UR arm: say robot.model, such as ur5"
         )

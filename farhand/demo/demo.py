@@ -103,7 +103,9 @@ def _play(cast: Cast, robot: str, folder: Path, stop_event: threading.Event, vie
                 if (words_of_hand := children.last_words(STEER)) != said:
                     said = words_of_hand
                     view.note(said)
-                view.update(reader.read(), clock.now_ns(), reader.connected())
+                reports = reader.read()
+                view.see(reader.scenes)
+                view.update(reports, clock.now_ns(), reader.connected())
     finally:
         if reader is not None:
             reader.close()

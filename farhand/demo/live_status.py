@@ -17,10 +17,19 @@ from farhand.common.link.zenoh_link import ZenohLink, open_session
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.intervention import Intervention
-from farhand.common.messages.keys import check_robot_name, command_key, kind_of, mirror_key, report_key
+from farhand.common.messages.keys import (
+    check_robot_name,
+    command_key,
+    kind_of,
+    mirror_key,
+    report_key,
+    scene_key,
+)
 from farhand.common.messages.report import ControlReport
+from farhand.common.messages.scene import Scene
 from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
+from farhand.demo.scene_words import SceneWords
 from farhand.operator_side.result import GOOD_STATUS
 from farhand.operator_side.standstill import side_words
 from farhand.runs.freshness import Freshness, Hearing, Picture
@@ -37,7 +46,12 @@ _BARS = "▁▂▃▄▅▆▇█"
 
 
 def render(
-    report: ControlReport | None, shown: Picture, elapsed: float, title: str, trail: list[float]
+    report: ControlReport | None,
+    shown: Picture,
+    elapsed: float,
+    title: str,
+    trail: list[float],
+    around: str = "",
 ) -> Group:
     """The status of one instant: what is live in colours, what is not dimmed, and said.
 
@@ -47,11 +61,12 @@ def render(
         elapsed: what the clock shows (s): it runs while operator and robot are live.
         title: what is running.
         trail: clearances so far, for the little chart (m).
+        around: what is around the robot, in words.
     """
     clock = f"   {elapsed:5.1f} s" + ("" if shown.running else ", clock stands")
     head = Text.assemble(("farhand ", "bold"), (title, "cyan"), (clock, "dim"))
     told = [_told(shown)] if shown.said else []
-    return Group(head, *told) if report is None else Group(head, *told, _grid(report, shown, trail))
+    return Group(head, *told) if report is None else Group(head, *told, _grid(report, shown, trail, around))
 
 
 def _told(shown: Picture) -> Text:
@@ -60,7 +75,7 @@ def _told(shown: Picture) -> Text:
     return Text(shown.said, style="bold white on red" if gone else "yellow")
 
 
-def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
+def _grid(report: ControlReport, shown: Picture, trail: list[float], around: str) -> Table:
     """All values; those of the robot and of the operator are as live as these are."""
     robot_style = "" if shown.robot is Freshness.LIVE else "dim"
     own_style = "" if shown.operator is Freshness.LIVE else "dim"
@@ -89,6 +104,8 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float]) -> Table:
     chart = Text(sparkline(trail), style=robot_style or "cyan")
     grid.add_row("", chart, "stops", of_robot(str(report.stops)))
     grid.add_row("robot", _mode(report, shown), "filter", _filter(report, shown))
+    if around:
+        grid.add_row("scene", of_robot(around), "", "")
     for line in (_stands(report), _held(report), report.guard and f"guard {guard_words(report.guard)}"):
         if line:
             grid.add_row("", Text(line, style=own_style or "yellow"))
@@ -123,7 +140,7 @@ def sparkline(values: list[float], width: int = 30) -> str:
     return "".join(_BARS[min(7, max(0, int(v / 0.3 * 8)))] for v in recent)
 
 
-def line(report: ControlReport | None, shown: Picture, elapsed: float) -> str:
+def line(report: ControlReport | None, shown: Picture, elapsed: float, around: str = "") -> str:
     """The status as one line, for output that is not a terminal; no value of what is gone is in it."""
     if report is None or Freshness.GONE in (shown.operator, shown.robot):
         return f"{elapsed:5.1f} s  {shown.said}"
@@ -135,7 +152,7 @@ def line(report: ControlReport | None, shown: Picture, elapsed: float) -> str:
         f"rtt {milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms  "
         f"clearance {_mm(report.clearance)}  "
         f"{'was ' if report.safety and not shown.running else ''}{report.safety or 'no robot'}"
-        f"{'  filter intervening' if report.intervening else ''}{guard}{held}"
+        f"{'  filter intervening' if report.intervening else ''}{guard}{held}{'  ' if around else ''}{around}"
         f"{'  ' if report.stop_reason else ''}{_stands(report)}"
     )
 
@@ -207,6 +224,7 @@ class StatusView:
         self._said_ns: int | None = None
         self._said = ("", "")
         self._guard: Intervention | None = None  # the newest since the last line
+        self._around = SceneWords()
 
     def __enter__(self) -> "StatusView":
         if self._console.is_terminal:
@@ -221,6 +239,11 @@ class StatusView:
     def note(self, text: str) -> None:
         """One line above the status."""
         self._console.print(text, style="dim", markup=False, highlight=False, soft_wrap=True)
+
+    def see(self, scenes: Iterable[tuple[Scene, int]]) -> None:
+        """Scenes of the robot that came since the last call, and when (ns)."""
+        for scene, at_ns in scenes:
+            self._around.take(scene, at_ns)
 
     def update(self, reports: Iterable[Arrived], now_ns: int, connected: bool, released: int = 0) -> None:
         """Show what may be shown at `now_ns`.
@@ -245,11 +268,13 @@ class StatusView:
         report = self._hearing.report
         if self._live is not None:
             clock = self._clock if report is not None else elapsed
-            self._live.update(render(report, shown, clock, self._title, list(self._trail)), refresh=True)
+            drawn = render(report, shown, clock, self._title, list(self._trail), self._around.words(now_ns))
+            self._live.update(drawn, refresh=True)
         elif self._is_due(shown, now_ns):
             if report is not None:
                 report, self._guard = msgspec.structs.replace(report, guard=self._guard), None
-            self._console.print(line(report, shown, elapsed), highlight=False, markup=False, soft_wrap=True)
+            told = line(report, shown, elapsed, self._around.words(now_ns))
+            self._console.print(told, highlight=False, markup=False, soft_wrap=True)
 
     def _note(self, clearance: float, sent_ns: int) -> None:
         """A value of the chart each TRAIL_NS, however many reports there are."""
@@ -278,19 +303,28 @@ class ReportReader:
 
     Attributes:
         released: session that gave control up to nobody, as an operator's program does when it ends; 0: none did.
+        scenes: of the robot, that came with the last `read`, and when (ns).
     """
 
     def __init__(self, connect: str, name: str, clock: SystemClock) -> None:
         self._commands = mirror_key(name, kind_of(command_key(name)))
-        self.link = ZenohLink(open_session([connect]), [report_key(name), self._commands], clock)
-        self._decoder = Decoder(ControlReport)
+        self._scenes = mirror_key(name, kind_of(scene_key(name)))
+        keys = [report_key(name), self._commands, self._scenes]
+        self.link = ZenohLink(open_session([connect]), keys, clock)
+        self._decoder, self._scene_decoder = Decoder(ControlReport), Decoder(Scene)
         self._command_decoder = Decoder(VelocityCommand)
         self.released = 0
+        self.scenes: list[tuple[Scene, int]] = []
 
     def read(self) -> list[Arrived]:
         """Reports since the last call."""
         packets = []
+        self.scenes = []
         for packet in self.link.receive():
+            if packet.key == self._scenes:
+                scene = self._scene_decoder.decode(packet.payload)
+                self.scenes += [(scene, packet.arrived_ns)] if scene is not None else []
+                continue
             if packet.key != self._commands:
                 packets.append(packet)
                 continue
@@ -319,7 +353,9 @@ def watch_operator(connect: str, name: str) -> int:
     try:
         with StatusView(f"{name} at {connect}", Console(file=sys.stdout, markup=False)) as view:
             while not stop_event.wait(1.0 / REFRESH_HZ):
-                view.update(reader.read(), clock.now_ns(), reader.connected(), reader.released)
+                reports = reader.read()
+                view.see(reader.scenes)
+                view.update(reports, clock.now_ns(), reader.connected(), reader.released)
     finally:
         reader.close()
     return 0

@@ -28,7 +28,7 @@ from farhand.operator_side.console.web import web_config
 from farhand.programs.command_line import ConsoleWords
 from farhand.programs.live_network import LiveNetwork
 from farhand.programs.sessions import random_session
-from farhand.robot_side.arm.catalogue import ARMS, data_folder
+from farhand.robot_side.arm.catalogue import ARMS, data_folder, installed, urdf_of
 
 LOOK_EVERY, START_EVERY = 0.2, 0.01
 LEAST_TOKEN = 8
@@ -168,4 +168,9 @@ def _bound(host: str, port: int) -> Iterator[socket.socket]:
 def _find_model(name: str) -> RobotModel | None:
     """The drawing of an arm that is known by name."""
     arm = ARMS.get(name)
-    return RobotModel(data_folder(), arm.urdf) if arm is not None else None
+    if arm is None:
+        return None
+    folder = installed(arm.shapes) if arm.shapes else None
+    if folder is None:
+        return None if arm.shapes else RobotModel(data_folder(), arm.urdf)
+    return RobotModel(folder, urdf_of(arm), f"package://{arm.shapes}/")

@@ -10,12 +10,11 @@ from farhand.common.errors import InputError, ScenarioError
 from farhand.common.messages.scene import MAX_OBSTACLES, Obstacle
 from farhand.common.scenario.known_keys import explained
 from farhand.common.scenario.reader import non_finite_key
-from farhand.common.shapes.cover import EXCESS, MAX_SPHERES, closely_covered
+from farhand.common.shapes.cover import EXCESS, MAX_SPHERES, MOST_SPHERES, closely_covered
 from farhand.common.shapes.mesh_file import read_mesh
 from farhand.common.shapes.plane import Plane
 from farhand.common.toml import read_toml
 
-MOST_SPHERES = 4 * MAX_SPHERES
 MOST_BYTES = 900_000
 """Of all obstacles on the wire, of which a message holds 1 MiB."""
 

@@ -75,14 +75,15 @@ class Hosts:
         *module_and_arguments: str,
         log: Path | None = None,
         environment: Mapping[str, str] | None = None,
+        told: bool = False,
     ) -> subprocess.Popen[str]:
-        """Run a Python module on a host; its standard output is a pipe, or goes to the log."""
+        """Run a Python module on a host; its output is a pipe, or goes to the log, and with `told` its input is one."""
         command = self.command_on(host, sys.executable, "-m", *module_and_arguments)
         out = log.open("a") if log is not None else None
         try:
             process = subprocess.Popen(
                 command,
-                stdin=subprocess.DEVNULL,
+                stdin=subprocess.PIPE if told else subprocess.DEVNULL,
                 stdout=out or subprocess.PIPE,
                 stderr=out or subprocess.DEVNULL,
                 text=True,
@@ -118,8 +119,9 @@ class Hosts:
             if process.poll() is None:
                 process.kill()
             process.wait()
-            if process.stdout is not None:
-                process.stdout.close()
+            for pipe in (process.stdin, process.stdout):
+                if pipe is not None:
+                    pipe.close()
         for name in self._names.values():
             subprocess.run(["ip", "netns", "del", name], capture_output=True, check=False)
 

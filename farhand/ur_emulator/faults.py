@@ -10,6 +10,8 @@ from farhand.common.errors import InputError
 from farhand.ur_emulator.controller import Controller
 from farhand.ur_emulator.wire import Connection, Handler, Wire
 
+STANDS_FOR = 0.3
+"""s, from which the arm counts as having stood."""
 LATEST = 1e6
 """s, to which a command may be put off."""
 
@@ -23,10 +25,30 @@ class Fault(NamedTuple):
 
 
 class Watch:
-    """Measures how long the arm moves on after a command."""
+    """Measures how long the arm moves on after a command.
+
+    Args:
+        since: when that was (s).
+
+    Attributes:
+        stands: for how long it has moved on, where it stands now; None: it moves (s).
+        first: the same of the first time that it stood for STANDS_FOR, whatever came later; None: it has not (s).
+    """
 
     def __init__(self, since: float) -> None:
-        self.since = since
+        self._since = since
+        self.stands: float | None = None
+        self.first: float | None = None
+
+    def look(self, moves: bool, now: float) -> None:
+        """How it is in one cycle."""
+        after = now - self._since
+        if moves:
+            self.stands = None
+        elif self.stands is None:
+            self.stands = after
+        if self.first is None and self.stands is not None and after - self.stands >= STANDS_FOR:
+            self.first = self.stands
 
 
 class FaultCommands:
@@ -82,11 +104,15 @@ class FaultCommands:
             "standstill": Fault(
                 "", "says how long the arm moved on after the last command", lambda _: self._standstill()
             ),
+            "stood": Fault(
+                "",
+                f"says after how long it first stood, for {STANDS_FOR:g} s, whatever came later",
+                lambda _: self._first_stood(),
+            ),
             "mark": Fault("", "nothing, but standstill counts from here", do(lambda: None)),
             "after": Fault("SECONDS COMMAND", "does COMMAND later", self._after),
             "help": Fault("", "says this", lambda _: self._help()),
         }
-        self._stood: float | None = None
 
     def handler(self, connection: Connection) -> Handler:
         """Of a connection to the port for faults."""
@@ -115,8 +141,8 @@ class FaultCommands:
         if bool(rest) != bool(fault.takes):
             return f"{word}: expected {word} {fault.takes}".rstrip()
         said = fault.act(rest)
-        if word not in ("status", "standstill", "help", "after"):
-            self._watch, self._stood = Watch(self._controller.now), None
+        if word not in ("status", "standstill", "stood", "help", "after"):
+            self._watch = Watch(self._controller.now)
         return said
 
     def cycle(self) -> None:
@@ -125,10 +151,8 @@ class FaultCommands:
         for due, line in [each for each in self._waiting if each[0] <= controller.now]:
             self._waiting.remove((due, line))
             controller.say(f"{line}: {self.do(line)}")
-        if self._watch is not None and controller.moves:
-            self._stood = None
-        elif self._watch is not None and self._stood is None:
-            self._stood = controller.now - self._watch.since
+        if self._watch is not None:
+            self._watch.look(controller.moves, controller.now)
 
     def time_now(self) -> float:
         """The controller's (s)."""
@@ -205,7 +229,12 @@ class FaultCommands:
     def _standstill(self) -> str:
         if self._watch is None:
             return "no command yet"
-        return "moves" if self._stood is None else f"{self._stood:.3f} s"
+        stands = self._watch.stands
+        return "moves" if stands is None else f"{stands:.3f} s"
+
+    def _first_stood(self) -> str:
+        first = self._watch.first if self._watch is not None else None
+        return "it has not stood" if first is None else f"it stood after {first:.3f} s"
 
     def _help(self) -> str:
         return "; ".join(

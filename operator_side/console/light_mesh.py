@@ -1,7 +1,11 @@
 """Meshes as pages get them: as fine as a page can draw, so that they pack to less."""
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
+
+from farhand.common.shapes.mesh_file import read_triangles
 
 HEADER = 84
 STEPS = 8192
@@ -9,6 +13,20 @@ STEPS = 8192
 NORMAL = 128
 """Of a normal's unit length."""
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("attribute", "<u2")])
+
+
+def light_mesh(path: Path) -> bytes:
+    """A file of STL or OBJ as binary STL, lightened."""
+    return lightened(path.read_bytes() if path.suffix.lower() == ".stl" else _stl_of(path))
+
+
+def _stl_of(path: Path) -> bytes:
+    corners = read_triangles(path)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    triangles = np.zeros(len(corners), TRIANGLE)
+    triangles["corners"] = corners.reshape(-1, 9)
+    triangles["normal"] = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return bytes(HEADER - 4) + len(corners).to_bytes(4, "little") + triangles.tobytes()
 
 
 def lightened(stl: bytes) -> bytes:

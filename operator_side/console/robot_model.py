@@ -5,11 +5,14 @@ from pathlib import Path
 
 from farhand.common.errors import InputError
 
+EXAMPLES = "package://example-robot-data/robots/"
+
 
 class RobotModel:
     """Args:
-    folder: of robot descriptions, which `package://example-robot-data/robots/` stands for.
-    urdf: file in it.
+    folder: where the meshes are.
+    urdf: file in it, or one by its absolute path.
+    begins: how the names of meshes begin; it stands for the folder.
 
     Raises:
         InputError: it cannot be read.
@@ -19,11 +22,12 @@ class RobotModel:
         meshes: files by what it calls them.
     """
 
-    def __init__(self, folder: Path, urdf: str) -> None:
+    def __init__(self, folder: Path, urdf: str | Path, begins: str = EXAMPLES) -> None:
         try:
             root = ElementTree.parse(folder / urdf).getroot()
         except (OSError, ElementTree.ParseError) as error:
             raise InputError(f"{folder / urdf}: cannot be read as URDF: {error}") from None
+        self._begins = begins
         self.meshes: dict[str, Path] = {}
         for link in root.iter("link"):
             for visual in link.findall("visual"):
@@ -38,9 +42,10 @@ class RobotModel:
         self.urdf = ElementTree.tostring(root)
 
     def _mesh(self, folder: Path, uri: str) -> str:
-        path = (folder / uri.partition("/robots/")[2]).resolve()
-        if not path.is_relative_to(folder.resolve()) or path.suffix.lower() != ".stl" or not path.is_file():
-            raise InputError(f"{uri}: no mesh (STL) of the robots' descriptions in {folder}")
+        path = (folder / uri.partition(self._begins)[2]).resolve()
+        known = path.is_relative_to(folder.resolve()) and path.suffix.lower() in (".stl", ".obj")
+        if not known or not path.is_file():
+            raise InputError(f"{uri}: no mesh (STL, OBJ) of the robots' descriptions in {folder}")
         name = f"{len(self.meshes)}-{path.name}"
         self.meshes[name] = path
         return name

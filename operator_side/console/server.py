@@ -20,7 +20,7 @@ from farhand.common.messages.scene import Scene
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.files import Files, packed, response
 from farhand.operator_side.console.frames import robot_told, scene_told
-from farhand.operator_side.console.light_mesh import lightened
+from farhand.operator_side.console.light_mesh import light_mesh
 from farhand.operator_side.console.said import Hello, Pictured, SaidError, read_said
 
 STATIC = Path(__file__).resolve().parent / "static"
@@ -125,7 +125,7 @@ class Server:
     async def _mesh(self, path: Path) -> tuple[bytes, bytes]:
         """A mesh, lightened, and compressed, which is done once, in a thread: pages that drive are not kept waiting."""
         if path not in self._meshes:
-            whole = await anyio.to_thread.run_sync(lambda: lightened(path.read_bytes()))
+            whole = await anyio.to_thread.run_sync(light_mesh, path)
             self._meshes[path] = whole, await anyio.to_thread.run_sync(packed, whole)
         return self._meshes[path]
 

@@ -1,6 +1,8 @@
-"""The arms that are known by name: those of the package example-robot-data that have been tried."""
+"""The arms that are known by name: those of the package example-robot-data that have been tried, and two whose shapes
+another package has."""
 
 import difflib
+import importlib.util
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,7 +11,7 @@ from pathlib import Path
 from farhand.common.errors import InputError
 
 _DATA = Path("cmeel.prefix/share/example-robot-data/robots")
-_CAPSULES = Path(__file__).resolve().parent / "models"
+_MODELS = Path(__file__).resolve().parent / "models"
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +20,7 @@ class KnownArm:
 
     Attributes:
         title: for people.
-        urdf, srdf: files under `data_folder()`.
+        urdf, srdf: files under `data_folder()`; with `shapes`, in the folder of models.
         tool_frame: link of the URDF.
         home: tool down, roomy (rad).
         max_acceleration: of the joints (rad/s^2): the manufacturer's, or one for all.
@@ -26,6 +28,7 @@ class KnownArm:
         reach: where the tool, pointing down, finds room; for people.
         holds_itself: whether its controller compensates gravity. Where none does, light links behind heavy ones
             creep in the simulation, whose solver ends before it has found the motors' torques.
+        shapes: Python package that has its meshes; empty: example-robot-data.
     """
 
     title: str
@@ -38,6 +41,7 @@ class KnownArm:
     wrist: int
     reach: str
     holds_itself: bool
+    shapes: str = ""
 
 
 def _universal(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
@@ -53,6 +57,23 @@ def _universal(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
         wrist=4,
         reach=reach,
         holds_itself=False,
+    )
+
+
+def _universal_e(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
+    """Of the e-Series: by its published link lengths, with the meshes of the package airo-models."""
+    return KnownArm(
+        title=f"UR{size}e",
+        urdf=f"ur{size}e.urdf",
+        srdf="ur_e_series.srdf",
+        tool_frame="tool0",
+        home=home,
+        max_acceleration=(15.0,) * 6,
+        elbow=2,
+        wrist=4,
+        reach=reach,
+        holds_itself=False,
+        shapes="airo_models",
     )
 
 
@@ -72,6 +93,16 @@ ARMS = {
         (-0.2364, -1.49271, 1.93555, -2.01363, -1.5708, -0.2364),  # tool at (0.70, 0, 0.40)
         "it reaches 0.35 to 1.0 m from its axis, 0.1 to 0.8 m high",
     ),
+    "ur3e": _universal_e(
+        3,
+        (-0.50678, -1.72479, 2.21521, -2.06122, -1.5708, -0.50678),  # tool at (0.27, 0, 0.20)
+        "it reaches 0.15 to 0.4 m from its axis, 0.1 to 0.4 m high",
+    ),
+    "ur5e": _universal_e(
+        5,
+        (-0.30073, -1.60442, 2.10334, -2.06971, -1.5708, -0.30073),  # tool at (0.45, 0, 0.30)
+        "it reaches 0.27 to 0.7 m from its axis, 0.1 to 0.6 m high",
+    ),
     "panda": KnownArm(
         title="Panda",
         urdf="panda_description/urdf/panda.urdf",
@@ -87,6 +118,40 @@ ARMS = {
 }
 
 
+SHAPELESS = ("ur7e", "ur8long", "ur10e", "ur12e", "ur15", "ur16e", "ur18", "ur20", "ur30")
+"""UR arms of which no package that is known here has the shapes: without these nothing keeps them clear."""
+
+
+def unknown_arm(name: str) -> str:
+    """What is said of a name that is no known arm's."""
+    if name.lower() in SHAPELESS:
+        return "its shape is not known here: give its urdf, with meshes for contact (docs/ur.md)"
+    return f"no such arm; {nearest(name, ARMS)}"
+
+
+def urdf_of(known: KnownArm) -> Path:
+    """The file; raises InputError where the package with its shapes is missing."""
+    if not known.shapes:
+        return data_folder() / known.urdf
+    if installed(known.shapes) is None:
+        raise InputError(
+            f"the shapes of the {known.title} are missing: install farhand[ur-e], or the package "
+            f"{known.shapes.replace('_', '-')}"
+        )
+    return _MODELS / known.urdf
+
+
+def srdf_of(known: KnownArm) -> Path:
+    """The file; raises InputError where the package with it is missing."""
+    return (_MODELS if known.shapes else data_folder()) / known.srdf
+
+
+def installed(package: str) -> Path | None:
+    """The folder of an installed Python package, which is not imported for that."""
+    found = importlib.util.find_spec(package) if package.isidentifier() else None
+    return Path(found.origin).parent if found is not None and found.origin else None
+
+
 def data_folder() -> Path:
     """The folder of robot descriptions that the package example-robot-data brings; raises InputError."""
     for entry in sys.path:
@@ -98,7 +163,7 @@ def data_folder() -> Path:
 
 def capsule_path(name: str) -> Path:
     """Where the capsules of a known arm lie."""
-    return _CAPSULES / f"{name}.toml"
+    return _MODELS / f"{name}.toml"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -17,7 +17,15 @@ from farhand.robot_side.arm.capsules import (
     read_capsules,
     segment_distance,
 )
-from farhand.robot_side.arm.catalogue import ARMS, KnownArm, capsule_path, data_folder, nearest
+from farhand.robot_side.arm.catalogue import (
+    ARMS,
+    KnownArm,
+    capsule_path,
+    nearest,
+    srdf_of,
+    unknown_arm,
+    urdf_of,
+)
 from farhand.robot_side.arm.srdf import Semantics, read_srdf
 from farhand.robot_side.arm.urdf import Chain, bare_text, read_urdf
 
@@ -131,10 +139,10 @@ class ArmModel:
 
 @cache
 def model(name: str) -> ArmModel:
-    """A known arm by name: ur3, ur5, ur10, panda; raises InputError."""
+    """A known arm by name; raises InputError."""
     known = ARMS.get(name)
     if known is None:
-        raise InputError(f"{name!r}: no such arm; {nearest(name, ARMS)}")
+        raise InputError(f"{name!r}: {unknown_arm(name)}")
     chain, semantics = read_known(known)
     built = assemble(chain, known.tool_frame, semantics.never_colliding, read_capsules(capsule_path(name)))
     return dataclasses.replace(
@@ -152,8 +160,7 @@ def model(name: str) -> ArmModel:
 
 def read_known(known: KnownArm) -> tuple[Chain, Semantics]:
     """What the files of a known arm say."""
-    folder = data_folder()
-    return read_urdf(folder / known.urdf, known.tool_frame), read_srdf(folder / known.srdf)
+    return read_urdf(urdf_of(known), known.tool_frame), read_srdf(srdf_of(known))
 
 
 def assemble(

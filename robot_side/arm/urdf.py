@@ -14,7 +14,7 @@ import numpy as np
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
-from farhand.robot_side.arm.catalogue import nearest
+from farhand.robot_side.arm.catalogue import installed, nearest
 
 LEAST_JOINTS, MOST_JOINTS = 6, 7
 LONGEST_NAME = 64
@@ -362,12 +362,14 @@ def _without_visuals(root: ET.Element, path: Path) -> None:
 
 
 def _mesh(name: str, path: Path, link: str) -> Path:
-    """Where a mesh lies: beside the URDF, or in a folder of the package's name above it."""
+    """Where a mesh lies: beside the URDF, in a folder of the package's name above it, or in a Python package of it."""
     folder = path.resolve().parent
     if name.startswith(_PACKAGE):
         package, _, rest = name.removeprefix(_PACKAGE).partition("/")
         places = [above / rest for above in (folder, *folder.parents) if above.name == package]
         places += [above / package / rest for above in (folder, *folder.parents)]
+        there = installed(package)
+        places += [there / rest] if there is not None else []
     else:
         places = [folder / name.removeprefix(_FILE)]
     for place in places:

@@ -12,7 +12,7 @@ from farhand.common.errors import InputError, ScenarioError
 from farhand.common.geometry import Array
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.capsules import read_capsules
-from farhand.robot_side.arm.catalogue import ARMS, nearest
+from farhand.robot_side.arm.catalogue import ARMS, unknown_arm
 from farhand.robot_side.arm.model import ArmModel, assemble, model, read_known
 from farhand.robot_side.arm.srdf import Semantics, read_srdf
 from farhand.robot_side.arm.tool import with_tool
@@ -75,7 +75,7 @@ def model_from_files(
 def fit_known(name: str) -> "FittedArm":
     """Capsules fitted anew to an arm that is known by name; raises InputError."""
     if name not in ARMS:
-        raise InputError(f"--model {name!r}: no such arm; {nearest(name, ARMS)}")
+        raise InputError(f"--model {name!r}: {unknown_arm(name)}")
     known = ARMS[name]
     chain, semantics = read_known(known)
     return _fitted(chain, known.tool_frame, semantics, np.array(known.home))

@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 from farhand.common.messages.base import ZERO, NonNegative, Positive, Real, Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.scenario.section import KindSection, Rate
-from farhand.robot_side.arm.catalogue import ARMS, nearest
+from farhand.robot_side.arm.catalogue import ARMS, SHAPELESS, unknown_arm
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.safety.settings import SafetySettings
 
@@ -45,7 +45,7 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
         kind: which robot: `arm` (PyBullet; which one say `model` or `urdf`), `ur5` (the arm of that model), `ur` (a
             real UR arm), `box` (PyBullet free-flying box), `point` (first-order lag, fast), or one that an installed
             package brings.
-        model: an arm that is known by name: ur3, ur5, ur10, panda.
+        model: an arm that is known by name: ur3, ur5, ur10, ur3e, ur5e, panda.
         host: address of the controller, for kind `ur`.
         urdf: the file of any other arm: six or seven revolute joints in a row.
         srdf: what says which of its links never collide; without it all but neighbours are kept apart.
@@ -116,7 +116,8 @@ class RobotSettings(KindSection, frozen=True, kw_only=True):
         if not name:
             return
         if name not in ARMS:
-            raise ValueError(f"model {name!r}: no such arm; {nearest(name, ARMS)}; any other by its urdf")
+            others = "" if name.lower() in SHAPELESS else "; any other by its urdf"
+            raise ValueError(f"model {name!r}: {unknown_arm(name)}{others}")
         for key in ("srdf", "capsules", "tool_frame"):
             if getattr(self, key) is not None:
                 raise ValueError(f"{key}: goes with urdf; the {ARMS[name].title}'s is known")

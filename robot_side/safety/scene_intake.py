@@ -56,7 +56,8 @@ class SceneIntake:
     Attributes:
         revision: changes so far.
         refused: requests that changed nothing, by reason.
-        log: the newest changes and refusals, for people; whoever says them takes them out.
+        newest_refusal: to whom and why, for people; empty: there was none.
+        log: the newest changes, for people; whoever says them takes them out.
     """
 
     def __init__(self, name: str, settings: SafetySettings, session: int) -> None:
@@ -71,6 +72,7 @@ class SceneIntake:
         self._unsaid = self._changed = False
         self._said_ns, self._repeat_until_ns = -AGAIN_NS, 0
         self.revision = 0
+        self.newest_refusal = ""
         self.log: deque[str] = deque(maxlen=64)
 
     @property
@@ -89,10 +91,10 @@ class SceneIntake:
             if packet.key != self._key:
                 continue
             if len(self._waiting) >= WAITING:
-                self._counted["flood"] += 1
+                self._count("flood", "a request: more at once than are looked at")
                 continue
             if len(packet.payload) > MOST_BYTES_ASKED + HEAD_BYTES:
-                self._counted["too-large"] += 1
+                self._count("too-large", f"a request of more than {MOST_BYTES_ASKED} bytes")
                 continue
             self._waiting.append(packet.payload)
 
@@ -155,7 +157,10 @@ class SceneIntake:
             self._answers.move_to_end(session)  # among the newest, which are said
             self._unsaid = True
             return None
-        return self._decoder.decode(payload)
+        request = self._decoder.decode(payload)
+        if request is None:
+            self.newest_refusal = "what is no request"
+        return request
 
     def _staleness(self, request: SceneRequest, now_ns: int) -> str:
         """Why the request is not newer than all before it, or not built on a recent state; empty: it is."""
@@ -169,10 +174,13 @@ class SceneIntake:
         return "" if 0 <= now_ns - echo.t_sent_ns <= self._max_age_ns else "stale"
 
     def _refuse(self, request: SceneRequest, reason: str, why: str, *, settled: bool = True) -> None:
-        self._counted[reason] += 1
-        self.log.append(f"scene: refused to {request.source}: {why}")
+        self._count(reason, f"to {request.source}: {why}")
         if reason != "old-seq":
             self._answer(request, SceneAnswer(request.session, why[:512], settled))
+
+    def _count(self, reason: str, said: str) -> None:
+        self._counted[reason] += 1
+        self.newest_refusal = said
 
     def _obey(
         self,

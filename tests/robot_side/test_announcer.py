@@ -3,9 +3,11 @@ import pytest
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import encode
-from farhand.common.messages.keys import command_key
+from farhand.common.messages.keys import command_key, scene_request_key
+from farhand.common.messages.scene_request import SceneRequest
 from farhand.robot_side.announcer import Announcer
 from farhand.robot_side.safety.command_intake import CommandIntake
+from farhand.robot_side.safety.scene_intake import SceneIntake
 from farhand.robot_side.safety.settings import SafetySettings
 from farhand.robot_side.safety.watchdog import Watchdog
 from farhand.testing import command
@@ -86,3 +88,25 @@ def test_what_arrives_is_counted_whatever_became_of_it(rig):
     rig.send(EVE, 9)
     rig.intake.take([Packet(command_key("r"), b"x")] * 1000, rig.now_ns)
     assert rig.intake.arrived == before + 1003
+
+
+def test_refused_changes_of_the_scene_fill_no_log():
+    said, now_ns = [], 1000 * MS
+    scene = SceneIntake("r", SafetySettings(), ROBOT)
+    watchdog = Watchdog(SafetySettings(), ROBOT)
+    announcer = Announcer(said.append, watchdog, CommandIntake("r", watchdog), scene)
+    for at in range(200):  # 20 a second: all built on no state
+        request = SceneRequest(source="eve", session=at + 1, seq=0, t_sent_ns=5, deed="add", base=0)
+        scene.take([Packet(scene_request_key("r"), encode(request))])
+        scene.judge((), now_ns, lambda obstacles: "")
+        now_ns += 50 * MS
+        announcer.look(now_ns)
+    for _ in range(40):
+        now_ns += 50 * MS
+        announcer.look(now_ns)
+    first = "scene: refused to eve: built on no state of this robot"
+    assert said[0] == first
+    assert all(line.startswith(f"{first} (") for line in said[1:])
+    counts = [int(line.rpartition("(")[2].split()[0]) for line in said[1:]]
+    assert 1 + sum(counts) == 200
+    assert len(said) <= 1 + 12  # in 12 s

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from farhand.common.messages import scene_request
 from farhand.common.messages.codec import Decoder, encode
+from farhand.common.messages.keys import scene_request_key
 from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.scene_request import SceneRequest
 from farhand.common.seeds import stream
@@ -349,6 +350,18 @@ def test_what_the_loop_would_wait_for_is_refused():
     bench.tick(7)
     assert bench.node.scene_intake.refused["too-large"] == 1
     assert bench.ask("set").refusal == ""
+
+
+@pytest.mark.parametrize("key", ["spheres", "cover", "centres"])
+def test_nobody_can_say_by_what_an_obstacle_is_to_be_seen(key):
+    """What travels are exact shapes: whoever solves for spheres makes them from these."""
+    bench = Bench()
+    asked = msgspec.msgpack.decode(encode(bench.request("add", POST)))
+    asked["obstacles"][0][key] = [[0.0, 0.0, 0.0, 0.01]]
+    bench.link.feed(msgspec.msgpack.encode(asked), bench.now, scene_request_key("r1"))
+    bench.tick(7)
+    assert bench.ids == [o.id for o in SCENARIO.obstacles]
+    assert bench.node.scene_intake.refused == {"unknown-field": 1}
 
 
 def test_a_copy_of_what_is_decided_is_told_again_however_many_have_asked_since():

@@ -21,12 +21,14 @@ class Breakage:
         run: breaks something, and mends it where it does not mend itself.
         prepare, clean_up: what has to be done before and after, and is not part of it.
         missing: why it cannot be done here, or empty.
+        arm_stands: whether nothing commands a robot's arm any more, so that its own controller must have it stand.
     """
 
     run: Step
     prepare: Step = lambda rig: None
     clean_up: Step = lambda rig: None
     missing: str = ""
+    arm_stands: bool = False
 
 
 def breakages() -> dict[str, Breakage]:
@@ -53,11 +55,11 @@ def _unplugged(host: str, seconds: float) -> Breakage:
 
 
 def _frozen(program: str) -> Breakage:
-    return Breakage(lambda rig: rig.frozen(program))
+    return Breakage(lambda rig: rig.frozen(program), arm_stands=program == "robot")
 
 
 def _restarted(program: str, number: signal.Signals) -> Breakage:
-    return Breakage(lambda rig: rig.end_and_restart(program, number))
+    return Breakage(lambda rig: rig.end_and_restart(program, number), arm_stands=program == "robot")
 
 
 def _clock(program: str, seconds: int) -> Breakage:

@@ -42,6 +42,7 @@ class Outcome:
         refused: commands that the robot refused, by reason.
         clearance: smallest distance to an obstacle (m).
         unsafe: what was not as it must be, in words; empty: safe.
+        arm_stood: from its start until no joint moved, by the arm's own controller (s); None: it moved on, or has none.
     """
 
     standing: float | None
@@ -54,6 +55,7 @@ class Outcome:
     refused: dict[str, int]
     clearance: float
     unsafe: tuple[str, ...]
+    arm_stood: float | None = None
 
     @property
     def safe(self) -> bool:

@@ -3,6 +3,7 @@
 The robot is a point, or a UR5 whose emulated controller runs on the robot's host.
 """
 
+import dataclasses
 import json
 import re
 import signal
@@ -16,6 +17,7 @@ from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords, Words
 from farhand.runs.scenario import load_scenario
 from farhand.site.certificates import issue, make_authority
+from farhand.trials.faults.controller import RATE_HZ, Controller
 from farhand.trials.faults.judgement import MOVING, Outcome, Seen, judge
 from farhand.trials.faults.observer import LISTEN
 from farhand.trials.faults.watching import Watcher
@@ -29,7 +31,6 @@ AFTER = 1.0
 LAST = 8
 """Lines of each program that are shown where none drives."""
 NETWORK = "constant:20"
-CONTROLLER_RATE_HZ = 125.0
 LAWFUL = "operator.alice"
 PROGRAMS = ("netem", "robot", "operator")
 STATES_SEEN, COMMANDS_SEEN = "tls/127.0.0.1:7453", "tls/127.0.0.1:7454"
@@ -55,13 +56,19 @@ class Rig:
         self.scenario = load_scenario(str(self.scenario_file))
         self.hosts = Hosts()
         self.programs: dict[str, subprocess.Popen[str]] = {}
+        self._controller: Controller | None = None
         self.states = self.observe("robot", f"{LISTEN}{STATES_SEEN}")
         self.commands = self.observe("operator", f"{LISTEN}{COMMANDS_SEEN}")
         if kind == "ur":
-            self._start_controller()
+            self._controller = Controller(self.hosts, self.folder / "controller.log", self.scenario_file)
         for program in PROGRAMS:
             self.start(program)
         self.reports = self.observe("operator", "tcp/127.0.0.1:7446")
+
+    @property
+    def has_controller(self) -> bool:
+        """Whether the robot is an arm behind a controller of its own, which knows when it stands."""
+        return self._controller is not None
 
     def start(self, program: str, environment: Mapping[str, str] | None = None) -> None:
         """Start a program, or start it again."""
@@ -70,18 +77,6 @@ class Rig:
         self.programs[program] = self.hosts.start(
             program, "farhand", *words, log=self.log(program), environment=environment
         )
-
-    def _start_controller(self) -> None:
-        log = self.folder / "controller.log"
-        words = ("ur", "emulator", "--rate", f"{CONTROLLER_RATE_HZ:g}", "--scenario", str(self.scenario_file))
-        self.hosts.start("robot", "farhand", *words, log=log)
-        end_ns = self.clock.now_ns() + to_ns(FIRST_PATIENCE)
-        while "Ctrl-C" not in log.read_text(errors="replace"):
-            if self.clock.now_ns() > end_ns:
-                raise FarhandError(
-                    f"the emulated controller does not start: {log.read_text(errors='replace')[-500:]}"
-                )
-            self.pause(0.1)
 
     def _words(self, program: str, tls: str) -> Words:
         scenario = str(self.scenario_file)
@@ -197,6 +192,8 @@ class Rig:
         if not self.wait_driving(self.clock.now_ns()):
             last = {name: lines[-LAST:] for name, lines in self.said(dict.fromkeys(PROGRAMS, 0)).items()}
             raise FarhandError(f"the robot does not drive; the last that was said: {last}")
+        if self._controller is not None:
+            self._controller.mark()
         begin_ns = self.clock.now_ns()
         found = fault()
         end_ns = self.clock.now_ns()
@@ -208,6 +205,8 @@ class Rig:
         )
         tick = 1.0 / self.scenario.robot.rate_hz
         outcome = judge(seen, begin_ns, end_ns, self.scenario.safety.max_age, tick)
+        if self._controller is not None:
+            outcome = dataclasses.replace(outcome, arm_stood=self._controller.stood())
         return outcome, found
 
 
@@ -238,7 +237,7 @@ def _arm_to_and_fro() -> str:
     """The UR5's built-in scenario with 250 targets over its obstacle, for an arm behind a controller on its host."""
     source = _with_targets("ur5-obstacle", [[0.45, 0.35, 0.48], [0.45, -0.35, 0.48]])
     return source.replace(
-        'kind = "ur5"', f'kind = "ur"\nmodel = "ur5"\nhost = "127.0.0.1"\nrate_hz = {CONTROLLER_RATE_HZ:g}', 1
+        'kind = "ur5"', f'kind = "ur"\nmodel = "ur5"\nhost = "127.0.0.1"\nrate_hz = {RATE_HZ:g}', 1
     )
 
 

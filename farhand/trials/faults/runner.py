@@ -1,6 +1,7 @@
 """Every fault and attack in turn, two tables, exit code 1 if any row is unsafe (`make faults`)."""
 
 import argparse
+import dataclasses
 import sys
 import tempfile
 from collections.abc import Callable
@@ -13,8 +14,8 @@ from farhand.trials.faults.judgement import Outcome
 from farhand.trials.faults.rig import Rig
 from farhand.trials.faults.tables import (
     ATTACK_HEADINGS,
-    FAULT_HEADINGS,
     attack_row,
+    fault_headings,
     fault_row,
     markdown,
     show,
@@ -22,6 +23,8 @@ from farhand.trials.faults.tables import (
 from farhand.trials.hosts import why_not
 
 Say = Callable[[str], None]
+ARM_STANDS_WITHIN = 0.25
+"""s, once nothing commands it: 0.2 s of its deadline, and what passes between the mark and the fault."""
 
 
 def run_fault(rig: Rig, breakage: Breakage) -> Outcome | str:
@@ -33,7 +36,15 @@ def run_fault(rig: Rig, breakage: Breakage) -> Outcome | str:
         outcome, _ = rig.measure(lambda: breakage.run(rig))
     finally:
         breakage.clean_up(rig)
+    if rig.has_controller and breakage.arm_stands and not stands_in_time(outcome):
+        late = f"the arm did not stand within {ARM_STANDS_WITHIN:g} s"
+        return dataclasses.replace(outcome, unsafe=(*outcome.unsafe, late))
     return outcome
+
+
+def stands_in_time(outcome: Outcome) -> bool:
+    """Whether the arm stood as soon as its controller's deadline has it stand."""
+    return outcome.arm_stood is not None and outcome.arm_stood <= ARM_STANDS_WITHIN
 
 
 def run_all(
@@ -89,7 +100,7 @@ def main() -> int:
         trouble = str(error)
         print(f"faults: {error}", file=sys.stderr)
     for headings, rows in (
-        (FAULT_HEADINGS, [fault_row(*fault) for fault in faults.items()]),
+        (fault_headings(options.robot), [fault_row(*fault, options.robot) for fault in faults.items()]),
         (ATTACK_HEADINGS, [attack_row(each) for each in attacked]),
     ):
         if rows and options.markdown:

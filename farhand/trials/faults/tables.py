@@ -20,6 +20,8 @@ FAULT_HEADINGS = (
     "states lost",
     "safe",
 )
+ARM_STANDS = "arm stands after (s)"
+"""Beside a fault, where there is an arm whose controller knows."""
 ATTACK_HEADINGS = (
     "attacker",
     "let in",
@@ -32,13 +34,21 @@ ATTACK_HEADINGS = (
 )
 
 
-def fault_row(name: str, outcome: Outcome | str) -> tuple[str, ...]:
+def fault_headings(kind: str) -> tuple[str, ...]:
+    """Of the table of faults with a robot of that kind."""
+    name, stands, *others = FAULT_HEADINGS
+    return (name, stands, *((ARM_STANDS,) if kind == "ur" else ()), *others)
+
+
+def fault_row(name: str, outcome: Outcome | str, kind: str) -> tuple[str, ...]:
     """One fault; a text says why it was left out."""
     if isinstance(outcome, str):
-        return (name, *("-",) * (len(FAULT_HEADINGS) - 2), f"left out: {outcome}")
+        return (name, *("-",) * (len(fault_headings(kind)) - 2), f"left out: {outcome}")
+    arm = outcome.arm_stood
     return (
         name,
         seconds(outcome.standing),
+        *(("-" if arm is None else f"{arm:.3f}",) if kind == "ur" else ()),
         seconds(outcome.acknowledged),
         seconds(outcome.again),
         f"{outcome.oldest:.2f}",

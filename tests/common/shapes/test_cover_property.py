@@ -6,7 +6,7 @@ from hypothesis import given
 
 from farhand.common.shapes.box import Box
 from farhand.common.shapes.capsule import Capsule
-from farhand.common.shapes.cover import EXCESS, closely_covered, cover, plane_of
+from farhand.common.shapes.cover import EXCESS, MOST_SPHERES, closely_covered, cover, covers, plane_of
 from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.sphere import Sphere
@@ -73,6 +73,16 @@ def test_what_takes_too_many_is_one_ball_around_all():
     centres, radii = cover(Obstacle("hall", (0, 0, 0), shape=hall))
     assert (len(radii), radii[0]) == (1, hall.bounding_radius)
     assert not centres.any()
+
+
+def test_a_scene_of_large_shapes_takes_no_more_spheres_than_can_be_solved_for():
+    walls = [Obstacle(f"wall-{i}", (i, 0.0, 0.0), shape=Box((1.0, 0.5, 0.2))) for i in range(9)]
+    ball = Obstacle("ball", (0.0, 3.0, 0.0), shape=Sphere(0.1))
+    assert sum(len(cover(wall)[1]) for wall in walls) > MOST_SPHERES
+    found = covers([*walls, ball])
+    assert MOST_SPHERES / 2 < sum(len(radii) for _, radii in found) <= MOST_SPHERES
+    for obstacle, (centres, radii) in zip([*walls, ball], found, strict=True):
+        assert uncovered(obstacle.shape, centres, radii) <= 1e-9
 
 
 def test_planes_stay_planes():

@@ -3,6 +3,8 @@
 import pytest
 
 from farhand.cli import run
+from farhand.robot_side.arm import catalogue
+from farhand.robot_side.arm.model import model
 
 OTHERWISE = 'name = "x"\nstart = [0.45, -0.35, 0.3]\ntargets = [[0.45, 0.35, 0.3]]\n[robot]\n'
 
@@ -25,6 +27,11 @@ def refused(capsys, *words):
     ("words", "said"),
     [
         (("ur", "emulator", "--model", "ur6"), "cannot be emulated; is ur"),
+        (("ur", "emulator", "--model", "ur16e"), "its shape is not known here: give its urdf"),
+        (
+            ("ur", "check", "--host", "127.0.0.1", "--model", "ur10e"),
+            "its shape is not known here: give its urdf",
+        ),
         (("ur", "emulator", "--address", "10.0.0.1"), "listens on loopback only"),
         (("ur", "emulator", "--address", "here"), "listens on loopback only"),
         (("ur", "emulator", "--joints", "0,0"), "6 joints, not 2"),
@@ -66,6 +73,7 @@ def test_one_line_says_what_would_be_right(words, said, capsys):
         ('kind = "ur"\nhost = "10.0.0.2"\n', "needs model"),
         ('kind = "ur"\nhost = "10.0.0.2"\nmodel = "panda"\n', "no UR arm"),
         ('kind = "ur"\nhost = "10.0.0.2"\nmodel = "ur7"\n', "no such arm"),
+        ('kind = "ur"\nhost = "10.0.0.2"\nmodel = "ur10e"\n', "its shape is not known here"),
         ('kind = "ur"\nhost = "10.0.0.2"\nmodel = "ur5"\n[robot.ur]\npayload = -1\n', "robot.ur.payload"),
         (
             'kind = "ur"\nhost = "10.0.0.2"\nmodel = "ur5"\n[robot.ur]\ndeadline = "never"\n',
@@ -80,3 +88,15 @@ def test_one_line_says_what_would_be_right(words, said, capsys):
 def test_a_scenario_that_cannot_be_names_the_key(robot, said, tmp_path, capsys):
     (tmp_path / "x.toml").write_text(OTHERWISE + robot)
     assert said in refused(capsys, "robot", "--scenario", "x.toml")
+
+
+def test_an_arm_whose_shapes_are_not_installed_says_what_to_install(capsys, monkeypatch):
+    model.cache_clear()
+    monkeypatch.setattr(catalogue, "installed", lambda package: None)
+    try:
+        said = refused(capsys, "ur", "emulator", "--model", "ur5e")
+    finally:
+        model.cache_clear()
+    assert said.endswith(
+        "the shapes of the UR5e are missing: install farhand[ur-e], or the package airo-models"
+    )

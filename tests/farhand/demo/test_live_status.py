@@ -7,9 +7,11 @@ import pytest
 from rich.console import Console
 
 from farhand.common.messages.intervention import Intervention
+from farhand.common.messages.scene import Obstacle
 from farhand.demo.live_status import Arrived, StatusView, line, render
+from farhand.demo.scene_words import SceneWords
 from farhand.runs.freshness import Ages, picture
-from farhand.testing import OPERATOR_SESSION, report
+from farhand.testing import OPERATOR_SESSION, report, scene
 
 S = 1_000_000_000
 BACKGROUND = re.compile(r"\x1b\[(?:\d+;)*4[0-7](?:;\d+)*m")
@@ -85,6 +87,30 @@ def test_what_the_guard_did_and_which_side_is_free_is_drawn_and_written():
     rows += [(1.6 + 0.1 * k, report(3 + k, **DRIVING)) for k in range(1, 40)]
     lines = screen(rows)
     assert [("forearm" in text) for text in lines] == [False, True, False]
+
+
+def test_how_many_obstacles_there_are_and_when_they_changed_last():
+    post, ball = Obstacle("post", (0.5, 0.0, 0.2), 0.1), Obstacle("ball", (0.5, 0.4, 0.2), 0.1)
+    shown, rows = picture(Ages(0.1, 0.1), connected=True), []
+    words = SceneWords()
+    came = [
+        (scene(0, post), "1 obstacle, as in its scenario"),
+        (scene(1, post), "1 obstacle, as in its scenario"),
+        (scene(2, post, ball, revision=1), "2 obstacles, changed 5 s ago"),
+        (scene(1, post), "2 obstacles, changed 6 s ago"),  # overtaken
+        (scene(0, post, session=99), "1 obstacle, changed 5 s ago"),  # the robot's program began anew
+    ]
+    for at, (each, said) in enumerate(came):
+        words.take(each, at * S)
+        rows.append((words.words((at + 5) * S), said))
+    assert [told for told, _ in rows] == [said for _, said in rows]
+    later = SceneWords()
+    later.take(came[2][0], 0)
+    assert later.words(S) == "2 obstacles, changed before this began"
+    assert line(report(0, **DRIVING), shown, 5.0, rows[2][0]).endswith(came[2][1])
+    console = Console(file=io.StringIO(), width=80)
+    console.print(render(report(0, **DRIVING), shown, 5.0, "r at here", [], later.words(S)))
+    assert "changed before this began" in " ".join(console.file.getvalue().split())
 
 
 def screen(rows, released=0):

@@ -1,9 +1,12 @@
 """A robot's drawing: light meshes of the package's own folder, and no other file of this host."""
 
+import numpy as np
 import pytest
 
 from farhand.common.errors import InputError
+from farhand.operator_side.console.light_mesh import HEADER, TRIANGLE, light_mesh
 from farhand.operator_side.console.robot_model import RobotModel
+from farhand.robot_side.arm.catalogue import ARMS, installed, urdf_of
 
 LINK = """<robot name="r"><link name="a">
 <visual><geometry><mesh filename="package://example-robot-data/robots/heavy.dae"/></geometry></visual>
@@ -18,6 +21,18 @@ def test_what_is_drawn_is_what_is_used_against_collisions(tmp_path):
     assert b"heavy" not in model.urdf
     assert b'<visual><geometry><mesh filename="0-light.stl"' in model.urdf
     assert model.meshes == {"0-light.stl": tmp_path / "light.stl"}
+
+
+def test_an_arm_of_another_package_is_drawn_by_its_meshes_as_stl():
+    arm = ARMS["ur5e"]
+    model = RobotModel(installed(arm.shapes), urdf_of(arm), f"package://{arm.shapes}/")
+    assert len(model.meshes) == 7
+    for path in model.meshes.values():
+        stl = light_mesh(path)
+        triangles = np.frombuffer(stl, TRIANGLE, offset=HEADER)
+        assert len(triangles) == int.from_bytes(stl[80:HEADER], "little") > 30
+        assert np.abs(triangles["corners"]).max() < 0.6  # m
+        assert np.linalg.norm(triangles["normal"], axis=1).max() < 1.02
 
 
 @pytest.mark.parametrize("mesh", ["../outside.stl", "missing.stl", "r.urdf"])

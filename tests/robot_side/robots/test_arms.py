@@ -1,5 +1,7 @@
 """Arms by name and by file, with what they hold: as data, and driven in PyBullet."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -21,6 +23,8 @@ STARTS = {
     "ur3": (0.27, 0.0, 0.2),
     "ur5": (0.45, 0.0, 0.3),
     "ur10": (0.7, 0.0, 0.4),
+    "ur3e": (0.27, 0.0, 0.2),
+    "ur5e": (0.45, 0.0, 0.3),
     "panda": (0.45, 0.0, 0.35),
 }
 
@@ -61,6 +65,26 @@ def test_physics_and_arrays_agree(whole, robot):
         R, p = arm.tool_pose(q)
         assert np.allclose(state[4], p, atol=1e-6)
         assert np.allclose(np.array(bullet.getMatrixFromQuaternion(state[5])).reshape(3, 3), R, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "joints"),
+    [("base_link", "upper_arm_link", (0, 1)), ("wrist_1_link", "wrist_3_link", (4, 5))],
+)
+def test_pairs_of_the_e_series_that_are_not_kept_apart_cannot_meet(robot, one, other, joints):
+    arm, bullet, client, body = robot.arm, robot._bullet, robot._client, robot.body
+    if not arm.name.endswith("e"):
+        pytest.skip("its pairs are those of another SRDF")
+    assert frozenset((one, other)) in arm.never_colliding
+    links = [robot.link_indices.get(name, -1) for name in (one, other)]
+    ways = [np.linspace(max(arm.lower[k], -np.pi - 0.5), min(arm.upper[k], np.pi), 25) for k in joints]
+    gaps = []
+    for angles in itertools.product(*ways):
+        for k, angle in zip(joints, angles, strict=True):
+            bullet.resetJointState(body, robot.joint_indices[k], angle, physicsClientId=client)
+        bullet.performCollisionDetection(physicsClientId=client)
+        gaps += [near[8] for near in bullet.getClosestPoints(body, body, 1.0, *links, physicsClientId=client)]
+    assert 0.009 < min(gaps) < 0.02
 
 
 def test_frames_without_mass_or_shape_change_no_bit_of_the_motion(monkeypatch):
@@ -194,7 +218,7 @@ TASK = 'name = "x"\nstart = [0.4, 0.0, 0.4]\ntargets = [[0.4, 0.0, 0.4]]\n[robot
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("", "kind 'arm' needs model, one of ur3, ur5, ur10, panda, or urdf, a file"),
+        ("", "kind 'arm' needs model, one of ur3, ur5, ur10, ur3e, ur5e, panda, or urdf, a file"),
         ('model = "pandas"', "model 'pandas': no such arm; nearest are panda"),
         ('model = "panda"\nurdf = "a.urdf"', "model and urdf name two arms"),
         ('model = "panda"\nsrdf = "a.srdf"', "srdf: goes with urdf; the Panda's is known"),
