@@ -22,10 +22,10 @@ import zenoh
 from rich.console import Console
 from rich.table import Table
 
+from farhand.bridges.ros2.cdr.twists import TWIST
 from farhand.bridges.ros2.cdr.types import Types
 from farhand.bridges.ros2.graph.node import RosNode
 from farhand.bridges.ros2.graph.wire import RELIABLE, data_key
-from farhand.bridges.ros2.inbound.reading import TWIST
 from farhand.common.link.link import Packet
 from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import ZenohLink, open_session, zenoh_config

@@ -17,7 +17,7 @@ from farhand.bridges.ros2.playback import CLOCK, RunPlayback
 from farhand.bridges.ros2.serving.desk import OperatorDesk, RobotDesk
 from farhand.bridges.ros2.settings import Ros2Options as Ros2Options
 from farhand.common.link.zenoh_link import ZenohLink, open_session
-from farhand.common.link.zenoh_threads import one_thread
+from farhand.common.link.zenoh_threads import one_thread, resident
 from farhand.common.messages.keys import (
     camera_key,
     check_robot_name,
@@ -151,11 +151,12 @@ def _states(
     """Hand states on where they arrive, in Zenoh's thread: there may be five hundred a second."""
 
     def take(sample: zenoh.Sample) -> None:
-        if sample.kind == zenoh.SampleKind.PUT:
-            outward.take_state(sample.payload.to_bytes(), clock.now_ns())
+        outward.take_state(
+            sample.payload.to_bytes(), clock.now_ns()
+        )  # of a deletion: none, which are no state
 
     key = mirror_key(robot, "state") if options.steers else state_key(robot)
-    return session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
+    return session.declare_subscriber(key, zenoh.handlers.Callback(resident(take), indirect=False))
 
 
 def _wake(wakes: Sequence[Callable[[], None]]) -> None:

@@ -65,7 +65,12 @@ class Attachment:
 
     def to_bytes(self) -> bytes:
         """33 of them."""
-        return _ATTACHMENT.pack(self.seq, self.sent_ns, _GID, self.gid)
+        return attachment_bytes(self.seq, self.sent_ns, self.gid)
+
+
+def attachment_bytes(seq: int, sent_ns: int, gid: bytes) -> bytes:
+    """The bytes of an Attachment."""
+    return _ATTACHMENT.pack(seq, sent_ns, _GID, gid)
 
 
 def read_attachment(payload: bytes | None) -> Attachment | None:
