@@ -77,7 +77,7 @@ def _bridge(
     node = _node(robot, options, types, clock, closing, lambda: _wake(wakes))
     session = open_session([connect], extra=folder.settings(tool_place(folder)) if folder else ())
     # What arrives there wakes nobody: it waits for the next look, and states for nothing.
-    link = ZenohLink(session, _keys(robot, options.side), clock)
+    link = ZenohLink(session, _keys(robot, options.side), clock, direct=True)
     closing.callback(link.close)
     desk: Desk = (
         OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect, options.tls_of(connect))
