@@ -29,6 +29,8 @@ from farhand.common.timing.clock import SystemClock
 WAITING = 256
 """Messages of a subscription that may wait; of more the oldest goes."""
 HEARTBEAT = 0.5
+ASKS_FOR = 1.0
+"""So long the graph is asked what it has (s); a router that has nothing says so at once."""
 _CDR = zenoh.Encoding.APPLICATION_CDR
 
 
@@ -166,6 +168,13 @@ class ServiceCall:
             pass  # whoever asked is gone
         finally:
             self._query.drop()  # type: ignore[no-untyped-call]
+
+
+def namesakes(session: zenoh.Session, domain: int, namespace: str, name: str) -> int:
+    """How many nodes of that name the graph has; asked for once, before one's own."""
+    alike = node_token(domain, "*", 0, namespace, name).replace("/0/0/NN/", "/*/*/NN/")
+    found = session.liveliness().get(alike, timeout=ASKS_FOR)
+    return sum(reply.ok is not None for reply in found)
 
 
 class RosNode:

@@ -102,6 +102,11 @@ class Outward:
         self._slow: Handoff[list[tuple[str, Any, int]]] = Handoff(self._work, "ros2-out", WAITING)
 
     @property
+    def heard(self) -> bool:
+        """Whether a state has come."""
+        return self._newest.seq >= 0
+
+    @property
     def lost(self) -> int:
         """See the class."""
         return self._slow.lost

@@ -8,6 +8,7 @@ import sys
 import pytest
 from msgspec.structs import replace
 
+from farhand.bridges.ros2.graph.node import namesakes
 from farhand.bridges.ros2.serving.parameters import STRING
 from farhand.common.link.ports import free_ports
 from farhand.common.messages.camera import CameraFrame
@@ -220,6 +221,14 @@ def test_it_is_in_the_graph_with_its_hashes_and_leaves_it_when_it_is_gone(port, 
         assert hashes["%tf_static"] == [peer.types.hash_of(TF), LATCHED]
         bridge.kill()
         assert not [token for token in peer.tokens() if f"/{bridge.zid}/" in token]
+
+
+def test_a_node_of_the_same_name_is_found_and_another_is_not(bridge, peer):
+    session = peer.session.session
+    assert namesakes(session, 0, "/farhand", "r") == 1
+    assert [
+        namesakes(session, *other) for other in ((1, "/farhand", "r"), (0, "", "r"), (0, "/farhand", "s"))
+    ] == [0] * 3
 
 
 def test_parameters_are_read_only(bridge, peer):
