@@ -5,8 +5,7 @@ Tokens belong to the session: when the process ends, however it ends, the router
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import zenoh
 import zenoh.ext
@@ -34,8 +33,7 @@ ASKS_FOR = 1.0
 _CDR = zenoh.Encoding.APPLICATION_CDR
 
 
-@dataclass(frozen=True, slots=True)
-class Heard:
+class Heard(NamedTuple):
     """Attributes:
     key: under which it came.
     payload: its bytes.
