@@ -1,9 +1,11 @@
 """What the ROS 2 bridge adds: joint states at 500 Hz out, twists at 100 Hz in, through the real program.
 
-`python -m benchmarks.ros2 [--quick] [--json FILE]`. The operator's program and the ROS nodes are fakes of this process,
-at a real router; instants are those of one clock. What a message takes holds two Zenoh links as well: beside it
-stands what one such link takes alone, and what a program uses that passes the same states on by Zenoh and does nothing
-else, at the same time. Needs the extra `farhand[ros2]`.
+`python -m benchmarks.ros2 [--quick] [--stages] [--json FILE]`. The operator's program and the ROS nodes are fakes of
+this process, at a real router; instants are those of one clock. What a message takes holds two Zenoh links as
+well: beside it stands what one such link takes alone, and what a program uses that passes the same states on by Zenoh and does nothing
+else, at the same time. `--stages` runs more such programs beside it, each with one thing more that the bridge does, so
+that where its share goes is seen on a busy machine, too; what takes how long is not to be read from that. Needs the
+extra `farhand[ros2]`.
 """
 
 import argparse
@@ -13,7 +15,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -22,10 +24,10 @@ import zenoh
 from rich.console import Console
 from rich.table import Table
 
+from farhand.bridges.ros2.cdr.twists import TWIST
 from farhand.bridges.ros2.cdr.types import Types
 from farhand.bridges.ros2.graph.node import RosNode
 from farhand.bridges.ros2.graph.wire import RELIABLE, data_key
-from farhand.bridges.ros2.inbound.reading import TWIST
 from farhand.common.link.link import Packet
 from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import ZenohLink, open_session, zenoh_config
@@ -39,14 +41,34 @@ JOINTS = "sensor_msgs/msg/JointState"
 STATES_HZ, TWISTS_HZ, REPORTS_HZ = 500, 100, 50
 SECONDS, QUICK = 20.0, 1.0
 BARE = "farhand/r/mirror/bare"
+ALONE = "as Zenoh comes"
+STAGES = (ALONE, "one thread", "and its state kept", "and joint states made")
 PASSES_ON = """
 import sys, zenoh
 from farhand.common.link.zenoh_link import open_session
+from farhand.common.link.zenoh_threads import one_thread, resident
+stage = int(sys.argv[4])
+if stage > 0:
+    one_thread()
 robot = open_session([sys.argv[1]])
 router = open_session([sys.argv[2]], mode="client")
 onward = router.declare_publisher("0/bare", express=True, congestion_control=zenoh.CongestionControl.DROP)
-take = zenoh.handlers.Callback(lambda sample: onward.put(sample.payload.to_bytes()), indirect=False)
-robot.declare_subscriber(sys.argv[3], take)
+def take(sample):
+    onward.put(sample.payload.to_bytes())
+if stage > 2:
+    from farhand.bridges.ros2.cdr.joint_states import JointStates
+    from farhand.bridges.ros2.cdr.types import Types
+    from farhand.bridges.ros2.graph.wire import attachment_bytes
+    from farhand.bridges.ros2.outbound.joints import JointReader
+    from farhand.common.timing.clock import SystemClock
+    from farhand.exports.ros_messages import Ros
+    types, clock, reader = Types("jazzy"), SystemClock(), JointReader()
+    made = JointStates(types, Ros(types.types), tuple("abcdef"))
+    def take(sample):
+        state = reader.read(sample.payload.to_bytes())
+        now_ns = clock.time_of_day_ns()
+        onward.put(made.encode(now_ns, state.joints), attachment=attachment_bytes(state.seq, now_ns, bytes(16)))
+robot.declare_subscriber(sys.argv[3], zenoh.handlers.Callback(resident(take) if stage > 1 else take, indirect=False))
 print("ready", flush=True)
 sys.stdin.read()
 """
@@ -110,8 +132,8 @@ class Ends:
             self.steered.setdefault(steering.linear[0], packet.arrived_ns)
 
 
-def measure(seconds: float) -> dict[str, float]:
-    """Medians and p99 (ms), and the share of a core."""
+def measure(seconds: float, stages: int = 1) -> dict[str, float]:
+    """Medians and p99 (ms), and the shares of a core of the bridge and of the first so many of STAGES."""
     clock, pause = SystemClock(), threading.Event()
     router_port, operator_port = free_ports(2)
     router = zenoh.open(zenoh_config(listen=[f"tcp/127.0.0.1:{router_port}"], mode="router"))
@@ -120,7 +142,7 @@ def measure(seconds: float) -> dict[str, float]:
     try:
         with Program("ros2", "--robot", "r", "--router", f"tcp/127.0.0.1:{router_port}",
                      "--connect", f"tcp/127.0.0.1:{operator_port}") as program, \
-                _passing_on(operator_port, router_port) as bare_process:  # fmt: skip
+                _passing_on(operator_port, router_port, stages) as others:  # fmt: skip
             program.wait_for("node /farhand/r")
             seq = 0
             while not ends.out:
@@ -129,10 +151,10 @@ def measure(seconds: float) -> dict[str, float]:
                 ends.link.send(Packet(mirror_key("r", "state"), encode(state(seq, joints=(1e-6 * seq,) * 6))))
                 pause.wait(0.1)
             process = psutil.Process(program.pid)
-            used, begun_ns, first = process.cpu_times(), clock.now_ns(), seq + 1
-            bare_used = bare_process.cpu_times()
+            used, begun_ns, first = _used(process), clock.now_ns(), seq + 1
+            others_used = [_used(each) for each in others]
             sent, asked = _drive(ends, seconds, first)
-            spent, bare_spent = process.cpu_times(), bare_process.cpu_times()
+            spent, others_spent = _used(process), [_used(each) for each in others]
             took = (clock.now_ns() - begun_ns) * 1e-9
             pause.wait(0.5)
     finally:
@@ -150,28 +172,41 @@ def measure(seconds: float) -> dict[str, float]:
         "twists that steered": len(driven) / max(1, len(asked)),
         "one link alone, median": float(np.median(bare)),
         "one link alone, p99": float(np.quantile(bare, 0.99)),
-        "share of a core": (spent.user + spent.system - used.user - used.system) / took,
-        "share of a core, passing on alone": (
-            bare_spent.user + bare_spent.system - bare_used.user - bare_used.system
-        )
-        / took,
+        "share of a core": (spent - used) / took,
+        **{
+            f"passing on alone, {stage}": (now - before) / took
+            for stage, before, now in zip(STAGES, others_used, others_spent, strict=False)
+        },
         "load average": os.getloadavg()[0],
     }
 
 
+def _used(process: psutil.Process) -> float:
+    """Of a processor, by the process and for it (s)."""
+    times = process.cpu_times()
+    return float(times.user + times.system)
+
+
 @contextmanager
-def _passing_on(operator: int, router: int) -> Iterator[psutil.Process]:
-    """A program of its own that passes each state on, and no more."""
+def _passing_on(operator: int, router: int, stages: int) -> Iterator[list[psutil.Process]]:
+    """Programs of their own that pass each state on, and do no more than their stage."""
     words = [f"tcp/127.0.0.1:{operator}", f"tcp/127.0.0.1:{router}", mirror_key("r", "state")]
-    with subprocess.Popen(
-        [sys.executable, "-c", PASSES_ON, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdout.readline()
-        yield psutil.Process(process.pid)
-        process.stdin.close()
-        process.kill()
+    with ExitStack() as running:
+        started = []
+        for stage in range(stages):
+            process = running.enter_context(
+                subprocess.Popen(
+                    [sys.executable, "-c", PASSES_ON, *words, str(stage)],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    text=True,
+                )
+            )
+            running.callback(process.kill)
+            assert process.stdout is not None
+            process.stdout.readline()
+            started.append(psutil.Process(process.pid))
+        yield started
 
 
 def _drive(ends: Ends, seconds: float, seq: int) -> tuple[dict[int, int], dict[float, int]]:
@@ -201,8 +236,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.ros2", description=__doc__)
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--stages", action="store_true")
     options = parser.parse_args()
-    found = measure(QUICK if options.quick else SECONDS)
+    found = measure(QUICK if options.quick else SECONDS, len(STAGES) if options.stages else 1)
     table = Table("what", "ms, or a share")
     for name, value in found.items():
         table.add_row(name, f"{value:.3f}")

@@ -8,6 +8,7 @@ on a dying link may block.
 import json
 import threading
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import zenoh
 
@@ -17,6 +18,7 @@ from farhand.common.link.endpoints import check_device, check_name, for_zenoh
 from farhand.common.link.keyed_inbox import KeyedInbox
 from farhand.common.link.link import Packet
 from farhand.common.link.outbox import Outbox
+from farhand.common.link.zenoh_threads import resident
 from farhand.common.timing.clock import SystemClock
 from farhand.common.timing.realtime import request_realtime
 
@@ -110,6 +112,8 @@ class ZenohLink:
         subscribe: key expressions to receive.
         clock: stamps arrivals.
         on_arrival: called after each arrival, in a Zenoh thread; must only notify.
+        direct: no thread of its own: whoever sends publishes, and may wait for 0.2 s where the link is congested; what
+            arrives is taken in Zenoh's thread. For who is on the host of its other end, and is of no use without it.
 
     Attributes:
         mirror: called with each packet that arrives, in a Zenoh thread; must only queue it; None: nobody is.
@@ -121,6 +125,8 @@ class ZenohLink:
         subscribe: Sequence[str],
         clock: SystemClock,
         on_arrival: Callable[[], None] | None = None,
+        *,
+        direct: bool = False,
     ) -> None:
         self.session = session
         self.inbox = KeyedInbox()
@@ -129,13 +135,21 @@ class ZenohLink:
         self.mirror: Callable[[Packet], None] | None = None
         self._clock = clock
         self._on_arrival = on_arrival
-        self._subscribers = [session.declare_subscriber(key, self._receive) for key in subscribe]
+        take: Any = self._receive
+        if direct:
+            take = zenoh.handlers.Callback(resident(take), indirect=False)
+        self._subscribers = [session.declare_subscriber(key, take) for key in subscribe]
+        self._direct = direct
         self._thread = threading.Thread(target=self._publish, name="publisher", daemon=True)
-        self._thread.start()
+        if not direct:
+            self._thread.start()
 
     def send(self, packet: Packet) -> None:
         """Queue a packet for the publishing thread (see Outbox)."""
-        self.outbox.put(packet)
+        if self._direct:
+            self._put(packet)
+        else:
+            self.outbox.put(packet)
 
     def receive(self) -> list[Packet]:
         """Everything that has arrived since the last call, in order of arrival."""
@@ -158,7 +172,8 @@ class ZenohLink:
     def close(self, drain_time: float = 0.5) -> None:
         """Send what is queued (at most `drain_time` s), then close the session."""
         self.outbox.close()
-        self._thread.join(drain_time)
+        if not self._direct:
+            self._thread.join(drain_time)
         # Closing may block on a link that is dying; whoever closes must not.
         closing = threading.Thread(target=self.session.close, name="closing", daemon=True)
         closing.start()
@@ -177,17 +192,20 @@ class ZenohLink:
     def _publish(self) -> None:
         request_realtime()
         while (packet := self.outbox.pop()) is not None:
-            priority, congestion = _HOW[class_of(packet.key)]
-            try:
-                self.session.put(
-                    packet.key,
-                    packet.payload,
-                    express=True,
-                    priority=priority,
-                    congestion_control=congestion,
-                )
-            except zenoh.ZError:
-                self.put_errors += 1
+            self._put(packet)
+
+    def _put(self, packet: Packet) -> None:
+        priority, congestion = _HOW[class_of(packet.key)]
+        try:
+            self.session.put(
+                packet.key,
+                packet.payload,
+                express=True,
+                priority=priority,
+                congestion_control=congestion,
+            )
+        except zenoh.ZError:
+            self.put_errors += 1
 
 
 def _why(kind: str) -> str:

@@ -49,7 +49,7 @@ def _one_field_more(encoded: bytes) -> bytes:
     return b"\xde" + (fields + 1).to_bytes(2, "big") + rest  # map 16
 
 
-def _checks(payload: bytes, check: int) -> bool:
+def is_sealed(payload: bytes, check: int) -> bool:
     """Whether `check` stands at the end of the payload and is the CRC-32 of what is before it."""
     return payload[-11:-4] == _CHECK_KEY and zlib.crc32(payload[:-4]) == check
 
@@ -92,7 +92,7 @@ class Decoder(Generic[M]):
         except (msgspec.DecodeError, ValueError, RecursionError, OverflowError) as error:
             raise CodecError("malformed", str(error)) from None
         if message.check is not msgspec.UNSET:
-            if not _checks(payload, message.check):
+            if not is_sealed(payload, message.check):
                 raise CodecError("checksum", "the bytes are not those that were sent")
             msgspec.structs.force_setattr(message, "check", msgspec.UNSET)
         if message.schema != SCHEMA:

@@ -1,6 +1,27 @@
 """Sequence numbers and echoes: the book-keeping of one side of a conversation."""
 
-from farhand.common.messages.base import Echo, Message
+from typing import Protocol
+
+from farhand.common.messages.base import Echo
+
+
+class Numbered(Protocol):
+    """What has a message's number: a message, or some of its fields."""
+
+    @property
+    def session(self) -> int:
+        """See Message."""
+        ...
+
+    @property
+    def seq(self) -> int:
+        """See Message."""
+        ...
+
+    @property
+    def t_sent_ns(self) -> int:
+        """See Message."""
+        ...
 
 LEFT_NS = 2_000_000_000
 """Beyond any network's jitter: what a program sent before its restart may come so late."""
@@ -27,7 +48,7 @@ class Newest:
         self.arrived_ns = 0
         self.received = 0
 
-    def accept(self, message: Message, arrived_ns: int) -> bool:
+    def accept(self, message: Numbered, arrived_ns: int) -> bool:
         """Note a message; False when a newer one of the same session was already there."""
         if message.session == self.session and message.seq <= self.seq:
             return False

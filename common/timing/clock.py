@@ -25,6 +25,10 @@ class SystemClock:
         """What must be added to an instant for the time of day (ns since 1970, UTC); never used for control."""
         return time.time_ns() - self.now_ns()
 
+    def time_of_day_ns(self) -> int:
+        """Now (ns since 1970, UTC); never used for control."""
+        return time.time_ns()
+
     def sleep_until(self, deadline_ns: int) -> None:
         """Block until `deadline_ns` (absolute, ns); returns at once when it has passed."""
         remaining = deadline_ns - self.now_ns()

@@ -222,11 +222,13 @@ def chosen_network(
     return chosen
 
 
-def parse_setting(setting: str) -> tuple[str, object]:
-    """Key and value of `controller.gamma=0.3`; raises InputError."""
+def parse_setting(
+    setting: str, option: str = "--set", such: str = "controller.gamma=0.3"
+) -> tuple[str, object]:
+    """Key and value of `controller.gamma=0.3`; raises InputError, which names the option and an example."""
     key, separator, text = setting.partition("=")
     if not separator or not key.strip():
-        raise InputError(f"--set {setting!r}: expected KEY=VALUE such as controller.gamma=0.3")
+        raise InputError(f"{option} {setting!r}: expected KEY=VALUE such as {such}")
     return key.strip(), parse_value(text.strip())
 
 

@@ -83,7 +83,7 @@ def ros2(
         base_frame=base_frame,
         tool_frame=tool_frame,
         joy_topic=joy_topic,
-        joy=dict(parse_setting(each) for each in joy or []),
+        joy=dict(parse_setting(each, "--joy", "deadman=button4") for each in joy or []),
         tls=tls,
         run=run,
         speed=speed,

@@ -10,14 +10,14 @@ import zenoh
 
 from farhand.bridges.ros2.bridge import Bridge, Desk
 from farhand.bridges.ros2.cdr.types import Types
-from farhand.bridges.ros2.graph.node import RosNode
+from farhand.bridges.ros2.graph.node import RosNode, namesakes
 from farhand.bridges.ros2.graph.wire import SENSOR, check_namespace, node_name
 from farhand.bridges.ros2.outbound.outward import Outward
 from farhand.bridges.ros2.playback import CLOCK, RunPlayback
 from farhand.bridges.ros2.serving.desk import OperatorDesk, RobotDesk
 from farhand.bridges.ros2.settings import Ros2Options as Ros2Options
 from farhand.common.link.zenoh_link import ZenohLink, open_session
-from farhand.common.link.zenoh_threads import one_thread
+from farhand.common.link.zenoh_threads import one_thread, resident
 from farhand.common.messages.keys import (
     camera_key,
     check_robot_name,
@@ -77,7 +77,7 @@ def _bridge(
     node = _node(robot, options, types, clock, closing, lambda: _wake(wakes))
     session = open_session([connect], extra=folder.settings(tool_place(folder)) if folder else ())
     # What arrives there wakes nobody: it waits for the next look, and states for nothing.
-    link = ZenohLink(session, _keys(robot, options.side), clock)
+    link = ZenohLink(session, _keys(robot, options.side), clock, direct=True)
     closing.callback(link.close)
     desk: Desk = (
         OperatorDesk(session, robot) if options.steers else RobotDesk(robot, connect, options.tls_of(connect))
@@ -94,7 +94,8 @@ def _bridge(
     )
     loop.after.append(bridge.look)
     wakes.append(loop.notify)
-    PeerWatch("ros2", connect, link.connected, stop_event)
+    PeerWatch("ros2", connect, link.connected, stop_event, lambda: _heard(bridge, options),
+              f"connected, but nothing is heard of a robot {robot!r}: is it another one's name?")  # fmt: skip
     tell(f"{_where(node, options)}; robot {robot!r} at {connect}; Ctrl-C ends it")
     loop.run()
     bridge.close(clock.now_ns())
@@ -138,6 +139,9 @@ def _node(
     ros = open_session([options.router], mode="client", extra=extra)
     closing.callback(ros.close)
     name, namespace = node_name(robot), check_namespace(options.namespace)
+    if namesakes(ros, options.domain, namespace, name):
+        say("ros2", f"WARNING: the graph has a node {namespace}/{name} already: each tells the same topics, and either "
+            "may steer; --namespace /NAME gives this one another")  # fmt: skip
     return RosNode(ros, types, clock, domain=options.domain, namespace=namespace, name=name, wake=wake)
 
 
@@ -151,11 +155,16 @@ def _states(
     """Hand states on where they arrive, in Zenoh's thread: there may be five hundred a second."""
 
     def take(sample: zenoh.Sample) -> None:
-        if sample.kind == zenoh.SampleKind.PUT:
-            outward.take_state(sample.payload.to_bytes(), clock.now_ns())
+        outward.take_state(
+            sample.payload.to_bytes(), clock.now_ns()
+        )  # of a deletion: none, which are no state
 
     key = mirror_key(robot, "state") if options.steers else state_key(robot)
-    return session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
+    return session.declare_subscriber(key, zenoh.handlers.Callback(resident(take), indirect=False))
+
+
+def _heard(bridge: Bridge, options: Ros2Options) -> bool:
+    return bridge.node.hearing.report is not None if options.steers else bridge.outward.heard
 
 
 def _wake(wakes: Sequence[Callable[[], None]]) -> None:

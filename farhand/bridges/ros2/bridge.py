@@ -4,10 +4,11 @@ from collections.abc import Callable
 from typing import Protocol
 
 from farhand.bridges.ros2.bridge_node import BridgeNode, Device
+from farhand.bridges.ros2.cdr.twists import TWIST
 from farhand.bridges.ros2.graph.node import RosNode
 from farhand.bridges.ros2.graph.wire import SENSOR
 from farhand.bridges.ros2.inbound.devices import JoyDevice, TwistDevice
-from farhand.bridges.ros2.inbound.reading import JOY, TWIST, Reader, Refusals, TwistFrames
+from farhand.bridges.ros2.inbound.reading import JOY, Reader, Refusals, TwistFrames
 from farhand.bridges.ros2.inbound.twist_hand import SILENCE_NS, TwistHand
 from farhand.bridges.ros2.outbound.outward import Outward
 from farhand.bridges.ros2.serving.parameters import Parameters, Value

@@ -12,8 +12,12 @@ from farhand.operator_side.devices.hand import Obstacles
 from farhand.operator_side.devices.hearing import Hearing
 from farhand.operator_side.steering.hand.sender import SteeringSender
 
-HELD_NS, IDLE_NS, EARLY_NS = 12_000_000, 20_000_000, 3_000_000
-"""What drives is said again so soon, what does not is looked at, or a little earlier where the loop is awake anyway."""
+LOOK_NS = 20_000_000
+"""The loop is awake so often at least."""
+HELD_NS, HELD_EARLY_NS = 12_000_000, 3_000_000
+IDLE_NS, IDLE_EARLY_NS = 30_000_000, 12_000_000
+"""What drives is said again so soon, what does not is looked at, or so much earlier where the loop is awake anyway: a
+stream of twists that is due every 10 or 20 ms wakes it often enough for both."""
 NEVER_NS = 1 << 62
 
 
@@ -74,7 +78,7 @@ class BridgeNode:
             if kind_of(packet.key) == "report":
                 self.hearing.take(packet)
             self._hand_on(packet, now_ns)
-        return min((self._look(seat, now_ns) for seat in self._seats), default=now_ns + IDLE_NS)
+        return min([now_ns + LOOK_NS, *(self._look(seat, now_ns) for seat in self._seats)])
 
     def leave(self, now_ns: int) -> None:
         """Give the wheel up; the last message of a session."""
@@ -86,7 +90,8 @@ class BridgeNode:
         if seat.device.hear(now_ns):
             seat.silent_ns = now_ns + SILENCE_NS + 1
             seat.due_ns = now_ns
-        if now_ns + EARLY_NS >= seat.due_ns or now_ns >= seat.silent_ns:
+        early_ns = HELD_EARLY_NS if seat.engaged else IDLE_EARLY_NS
+        if now_ns + early_ns >= seat.due_ns or now_ns >= seat.silent_ns:
             self._send(seat, now_ns)
             seat.due_ns = now_ns + (HELD_NS if seat.engaged else IDLE_NS)
             seat.silent_ns = seat.silent_ns if now_ns < seat.silent_ns else NEVER_NS

@@ -66,8 +66,12 @@ class Ros2Options:
             raise InputError(f"--tool-frame {self.tool_frame!r}: is the base frame's name as well")
         if self.tls and not (self.router.startswith("tls/") or self.connect.startswith("tls/")):
             raise InputError(f"--tls {self.tls}: no endpoint is secured; expected --router tls/HOST:PORT")
+        if self.steers and self.connect.startswith("tls/"):
+            raise InputError(f"--connect {self.connect}: an operator's reports stay on its host, not encrypted; "
+                             "expected tcp/127.0.0.1:PORT as its --report has it")  # fmt: skip
         check_namespace(self.namespace)
-        check_namespace(self.joy_topic, "--joy-topic")
+        if not check_namespace(self.joy_topic, "--joy-topic"):
+            raise InputError(f"--joy-topic {self.joy_topic!r}: expected a topic's full name such as /joy")
         _ = self.joy_settings
 
     @property

@@ -9,7 +9,6 @@ from farhand.common.messages.steering import Steering
 
 IDLE_NS = 500_000_000
 """A driver that holds nothing down is told of so often, so that the wheel stays its own."""
-_PRESSED = ("engaged", "estop", "acknowledge", "take", "release")
 
 
 class SteeringSender:
@@ -28,7 +27,7 @@ class SteeringSender:
 
     def send(self, wish: Steering, now_ns: int, *, drives: bool) -> None:
         """Send it, unless nothing is pressed and nothing was; who `drives` is heard of now and then all the same."""
-        pressed = any(getattr(wish, name) for name in _PRESSED)
+        pressed = wish.engaged or wish.estop or wish.acknowledge or wish.take or wish.release
         idle = drives and now_ns - self._told_ns > IDLE_NS
         if not (pressed or self._was_pressed or idle):
             return

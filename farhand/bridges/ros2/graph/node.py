@@ -5,8 +5,7 @@ Tokens belong to the session: when the process ends, however it ends, the router
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import zenoh
 import zenoh.ext
@@ -14,25 +13,27 @@ import zenoh.ext
 from farhand.bridges.ros2.cdr.types import Types
 from farhand.bridges.ros2.graph.wire import (
     SERVICE,
-    Attachment,
     Kind,
     Qos,
+    attachment_bytes,
     data_key,
     endpoint_token,
     gid_of,
     node_token,
     read_attachment,
 )
+from farhand.common.link.zenoh_threads import resident
 from farhand.common.timing.clock import SystemClock
 
 WAITING = 256
 """Messages of a subscription that may wait; of more the oldest goes."""
 HEARTBEAT = 0.5
+ASKS_FOR = 1.0
+"""So long the graph is asked what it has (s); a router that has nothing says so at once."""
 _CDR = zenoh.Encoding.APPLICATION_CDR
 
 
-@dataclass(frozen=True, slots=True)
-class Heard:
+class Heard(NamedTuple):
     """Attributes:
     key: under which it came.
     payload: its bytes.
@@ -97,10 +98,9 @@ class Publisher:
         if not self.wanted:
             return
         self.sent += 1
-        now_ns = self._clock.now_ns() + self._clock.epoch_ns()
-        attachment = Attachment(self.sent, now_ns, self._gid)
+        attachment = attachment_bytes(self.sent, self._clock.time_of_day_ns(), self._gid)
         try:
-            self._publisher.put(payload, attachment=attachment.to_bytes())
+            self._publisher.put(payload, attachment=attachment)
         except zenoh.ZError:
             self.refused += 1
 
@@ -159,14 +159,20 @@ class ServiceCall:
         """Send the response; from any thread."""
         kind = f"{self._service}_Response"
         payload = self._types.encode(self._types.make(kind, **fields), kind)
-        now_ns = self._clock.now_ns() + self._clock.epoch_ns()
-        attachment = Attachment(self._asked.seq, now_ns, self._asked.gid)
+        attachment = attachment_bytes(self._asked.seq, self._clock.time_of_day_ns(), self._asked.gid)
         try:
-            self._query.reply(self._key, payload, encoding=_CDR, attachment=attachment.to_bytes())
+            self._query.reply(self._key, payload, encoding=_CDR, attachment=attachment)
         except zenoh.ZError:
             pass  # whoever asked is gone
         finally:
             self._query.drop()  # type: ignore[no-untyped-call]
+
+
+def namesakes(session: zenoh.Session, domain: int, namespace: str, name: str) -> int:
+    """How many nodes of that name the graph has; asked for once, before one's own."""
+    alike = node_token(domain, "*", 0, namespace, name).replace("/0/0/NN/", "/*/*/NN/")
+    found = session.liveliness().get(alike, timeout=ASKS_FOR)
+    return sum(reply.ok is not None for reply in found)
 
 
 class RosNode:
@@ -220,7 +226,7 @@ class RosNode:
             subscription.put(Heard(str(sample.key_expr), sample.payload.to_bytes(), attached, now_ns))
             self._wake()
 
-        take_at_once = zenoh.handlers.Callback(take, indirect=False)  # it only queues
+        take_at_once = zenoh.handlers.Callback(resident(take), indirect=False)  # it only queues
         self._declared.append(self._session.declare_subscriber(f"*{name}/*/*", take_at_once))
         return subscription
 

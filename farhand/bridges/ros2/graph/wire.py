@@ -10,7 +10,7 @@ Source: ros2/rmw_zenoh, docs/design.md, liveliness_utils.cpp, attachment_helpers
 import re
 import struct
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from farhand.common.errors import InputError
 
@@ -49,8 +49,7 @@ ROSOUT = Qos(latched=True, depth=1000, lifespan=10)
 SERVICE = Qos()
 
 
-@dataclass(frozen=True, slots=True)
-class Attachment:
+class Attachment(NamedTuple):
     """What goes with each message.
 
     Attributes:
@@ -65,7 +64,12 @@ class Attachment:
 
     def to_bytes(self) -> bytes:
         """33 of them."""
-        return _ATTACHMENT.pack(self.seq, self.sent_ns, _GID, self.gid)
+        return attachment_bytes(self.seq, self.sent_ns, self.gid)
+
+
+def attachment_bytes(seq: int, sent_ns: int, gid: bytes) -> bytes:
+    """The bytes of an Attachment."""
+    return _ATTACHMENT.pack(seq, sent_ns, _GID, gid)
 
 
 def read_attachment(payload: bytes | None) -> Attachment | None:

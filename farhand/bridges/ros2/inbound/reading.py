@@ -5,16 +5,16 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from farhand.bridges.ros2.cdr.twists import TWIST, StampedTwist, read_twist
 from farhand.bridges.ros2.cdr.types import CdrError, Types
 from farhand.bridges.ros2.graph.node import Heard
 from farhand.bridges.ros2.graph.wire import Attachment, dds_name, read_attachment
 from farhand.bridges.ros2.inbound.twist_hand import Wanted
 from farhand.common.errors import FarhandError
-from farhand.common.messages.base import Vector3
 from farhand.common.messages.steering import Frame
 from farhand.common.trust.rare_lines import RareLines
 
-TWIST, JOY = "geometry_msgs/msg/TwistStamped", "sensor_msgs/msg/Joy"
+JOY = "sensor_msgs/msg/Joy"
 MAX_INPUTS = 64
 FAST = 1e3
 """Nothing that moves is asked for so fast (m/s, rad/s)."""
@@ -52,7 +52,11 @@ class Reader:
             size = "none" if heard.attachment is None else f"one of {len(heard.attachment)} bytes"
             raise RefusedError("attachment", f"{size}; rmw_zenoh's has 33")
         try:
-            message = self._types.decode(heard.payload, self._kind)
+            message: Any = (
+                read_twist(heard.payload, self._types)
+                if self._kind == TWIST
+                else self._types.decode(heard.payload, self._kind)
+            )
         except CdrError as error:
             raise RefusedError("malformed", str(error), attachment) from None
         return attachment, message
@@ -75,13 +79,13 @@ class TwistFrames:
     def __init__(self, base: str, tool: str) -> None:
         self._frames: dict[str, Frame] = {base: "base", tool: "tool"}
 
-    def wanted(self, message: Any, attachment: Attachment) -> Wanted:
+    def wanted(self, message: StampedTwist, attachment: Attachment) -> Wanted:
         """What a TwistStamped wants; raises RefusedError."""
-        frame = self._frames.get(message.header.frame_id)
+        frame = self._frames.get(message.frame_id)
         if frame is None:
             known = " or ".join(repr(name) for name in self._frames)
-            raise RefusedError("frame", f"{message.header.frame_id[:64]!r}; expected {known}", attachment)
-        linear, angular = _vector(message.twist.linear), _vector(message.twist.angular)
+            raise RefusedError("frame", f"{message.frame_id[:64]!r}; expected {known}", attachment)
+        _, linear, angular = message
         if not _finite((*linear, *angular)):
             raise RefusedError("not finite", "a part of the twist is", attachment)
         return Wanted(linear, angular, frame)
@@ -117,10 +121,6 @@ class Refusals:
         kind = f"{topic}: {reason}"
         self.counts[kind] += 1
         self._lines.note(kind, f"{topic}: refused: {words}", now_ns)
-
-
-def _vector(vector: Any) -> Vector3:
-    return (float(vector.x), float(vector.y), float(vector.z))
 
 
 def _finite(values: Iterable[float]) -> bool:

@@ -12,6 +12,7 @@ from farhand.bridges.ros2.cdr.marker_array import ARRAY, Marker, encode_markers
 from farhand.bridges.ros2.graph.node import RosNode
 from farhand.bridges.ros2.graph.wire import LATCHED, RELIABLE, ROSOUT, SENSOR
 from farhand.bridges.ros2.outbound.description import ArmFrames
+from farhand.bridges.ros2.outbound.joints import JointReader
 from farhand.bridges.ros2.outbound.markers import LIFETIME, Markers
 from farhand.bridges.ros2.outbound.status import diagnostics, servo_status, unknown
 from farhand.common.link.link import Packet
@@ -41,6 +42,7 @@ WAITING = 64
 """Batches."""
 INFO = 20
 KINDS: dict[str, type[Message]] = {
+    "state": RobotState,
     "report": ControlReport,
     "command": VelocityCommand,
     "scene": Scene,
@@ -86,7 +88,7 @@ class Outward:
         )
         self._camera = node.publisher("camera/camera_info", "sensor_msgs/msg/CameraInfo", SENSOR)
         self._name = f"{node.namespace}/{node.name}".strip("/").replace("/", ".")
-        self._state_decoder, self._newest = Decoder(RobotState), Newest()
+        self._joint_reader, self._newest = JointReader(), Newest()
         self._decoders: dict[str, Decoder[Message]] = {kind: Decoder(of) for kind, of in KINDS.items()}
         self._arm: ArmFrames | None = None
         self._encoder: JointStates | None = None
@@ -100,6 +102,11 @@ class Outward:
         self._slow: Handoff[list[tuple[str, Any, int]]] = Handoff(self._work, "ros2-out", WAITING)
 
     @property
+    def heard(self) -> bool:
+        """Whether a state has come."""
+        return self._newest.seq >= 0
+
+    @property
     def lost(self) -> int:
         """See the class."""
         return self._slow.lost
@@ -107,17 +114,17 @@ class Outward:
     def hand_on(self, packet: Packet, now_ns: int) -> None:
         """Take one packet of the report endpoint or of the robot's side; never waits."""
         kind = packet.key.rpartition("/")[2]
-        if kind in KINDS:
-            self._gathered.append((kind, packet.payload, packet.arrived_ns))
-        else:
+        if kind == "state":
             self.take_state(packet.payload, packet.arrived_ns)
+        elif kind in KINDS:
+            self._gathered.append((kind, packet.payload, packet.arrived_ns))
 
     def take_state(self, payload: bytes, at_ns: int) -> None:
         """Take a state that arrived at `at_ns`, always in the same thread; never waits."""
-        state = self._state_decoder.decode(payload)
+        state = self._joint_reader.read(payload)
         if state is None or not self._newest.accept(state, at_ns):
             return
-        self._newest_state.append(("state", state, at_ns))
+        self._newest_state.append(("state", payload, at_ns))
         arm = self._arm  # until the robot has said what its joints are called, nobody else does
         if state.joints and arm is not None and self.joint_states.wanted:
             if (
@@ -164,9 +171,7 @@ class Outward:
                 self.trouble = f"a {what[0]} could not be told: {type(error).__name__}: {error}"
 
     def _do(self, kind: str, found: Any, at_ns: int) -> None:
-        if kind == "state":
-            self._take_state(found, at_ns)
-        elif kind == "look":
+        if kind == "look":
             self._draw(at_ns)
         elif kind == "tell":
             self._log(INFO, self._name, found, at_ns)
@@ -176,7 +181,9 @@ class Outward:
                 self._take(kind, message, at_ns)
 
     def _take(self, kind: str, message: Message, at_ns: int) -> None:
-        if isinstance(message, ControlReport):
+        if isinstance(message, RobotState):
+            self._take_state(message, at_ns)
+        elif isinstance(message, ControlReport):
             self._take_report(message, at_ns)
         elif isinstance(message, VelocityCommand):
             self._story.command = message

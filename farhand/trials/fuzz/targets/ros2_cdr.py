@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from farhand.bridges.ros2.cdr.twists import TWIST
 from farhand.bridges.ros2.cdr.types import Types
 from farhand.bridges.ros2.graph.node import Heard
 from farhand.bridges.ros2.graph.wire import Attachment, data_key
 from farhand.bridges.ros2.inbound.reading import (
     FAST,
     JOY,
-    TWIST,
     Reader,
     RefusedError,
     TwistFrames,

@@ -3,10 +3,11 @@
 import pytest
 
 from farhand.bridges.ros2.bridge_node import BridgeNode
+from farhand.bridges.ros2.cdr.twists import TWIST
 from farhand.bridges.ros2.graph.node import Heard, Subscription
 from farhand.bridges.ros2.graph.wire import Attachment
 from farhand.bridges.ros2.inbound.devices import TwistDevice
-from farhand.bridges.ros2.inbound.reading import TWIST, Reader, Refusals, TwistFrames
+from farhand.bridges.ros2.inbound.reading import Reader, Refusals, TwistFrames
 from farhand.bridges.ros2.inbound.twist_hand import TwistHand
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder, encode

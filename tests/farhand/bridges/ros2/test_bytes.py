@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from farhand.bridges.ros2.cdr.frames import FRAMES, Frames
 from farhand.bridges.ros2.cdr.joint_states import JOINT_STATE, JointStates
 from farhand.bridges.ros2.cdr.marker_array import ARRAY, Marker, encode_markers
-from farhand.bridges.ros2.cdr.types import Types
+from farhand.bridges.ros2.cdr.twists import TWIST, StampedTwist, read_twist
+from farhand.bridges.ros2.cdr.types import CdrError, Types
 from farhand.exports.ros_messages import Ros
 from farhand.testing import state
 
@@ -53,6 +54,38 @@ def test_markers(time_ns, frame, lifetime, markers):
     found = encode_markers(time_ns, frame, lifetime, markers)
     made = [_made(each, ROS.header(time_ns, frame), lifetime) for each in markers]
     assert found == TYPES.encode(ROS.make(ARRAY, markers=made), ARRAY)
+
+
+@given(
+    st.text(max_size=12),
+    VECTOR,
+    VECTOR,
+    st.booleans(),
+    st.lists(st.tuples(st.integers(0, 90), st.integers(0, 255)), max_size=2),
+)
+def test_twists_whatever_befalls_their_bytes(frame, linear, angular, little, changes):
+    message = ROS.make(
+        TWIST,
+        header=ROS.header(7, frame),
+        twist=ROS.make("geometry_msgs/msg/Twist", linear=ROS.vector(linear), angular=ROS.vector(angular)),
+    )
+    payload = bytearray(TYPES._store.serialize_cdr(message, TWIST, little_endian=little))
+    for at, value in changes:
+        payload[at : at + 1] = bytes([value])
+    made = outcome(lambda: _of_library(TYPES.decode(bytes(payload), TWIST)))
+    assert repr(outcome(lambda: read_twist(bytes(payload), TYPES))) == repr(made)
+
+
+def outcome(read):
+    try:
+        return read()
+    except CdrError:
+        return "refused"
+
+
+def _of_library(message):
+    parts = message.twist.linear, message.twist.angular
+    return StampedTwist(message.header.frame_id, *((v.x, v.y, v.z) for v in parts))
 
 
 def _made(marker, header, lifetime):

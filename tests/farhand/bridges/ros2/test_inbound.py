@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from farhand.bridges.ros2.cdr.twists import TWIST, read_twist
 from farhand.bridges.ros2.cdr.types import CdrError, Types
 from farhand.bridges.ros2.graph.node import Heard, Subscription
 from farhand.bridges.ros2.graph.wire import Attachment, data_key
@@ -13,7 +14,6 @@ from farhand.bridges.ros2.inbound.devices import JoyDevice, TwistDevice
 from farhand.bridges.ros2.inbound.joy import JoySettings
 from farhand.bridges.ros2.inbound.reading import (
     JOY,
-    TWIST,
     Reader,
     Refusals,
     RefusedError,
@@ -124,7 +124,7 @@ def test_no_bytes_make_it_throw(payload):
 
 @given(VECTOR, VECTOR, st.sampled_from(("base", "tool")))
 def test_twists_there_and_back(linear, angular, frame):
-    message = TYPES.decode(TYPES.encode(twist(linear, angular, frame), TWIST), TWIST)
+    message = read_twist(TYPES.encode(twist(linear, angular, frame), TWIST), TYPES)
     wanted = TwistFrames("base", "tool").wanted(message, Attachment(1, 0, GID))
     assert (wanted.linear, wanted.angular, wanted.frame) == (linear, angular, frame)
 

@@ -62,6 +62,9 @@ def test_twists_of_an_independent_node_drive_through_the_emulator_safe_and_to_th
         finally:
             stream.close()
         assert way(start)[1] > 0.4
+        for service in ("estop", "acknowledge"):
+            asked = peer.call(f"/farhand/ur5/{service}", "std_srvs/srv/Trigger")
+            assert asked.success, asked.message
         codes = set()
         while not status.empty():
             codes.add(status.get().code)

@@ -1,4 +1,4 @@
-"""The bridge at a router that speaks TLS alone, and takes no one whom its own authority did not sign."""
+"""TLS, of which an end takes no one whom its own authority did not sign: to the router, and to the robot's side."""
 
 import queue
 
@@ -11,11 +11,11 @@ from farhand.common.link.ports import free_ports
 from farhand.common.link.zenoh_link import open_session, zenoh_config
 from farhand.common.trust.tls import load_folder
 from farhand.site.certificates import issue, make_authority
-from farhand.testing import Programs
-from tests.farhand.bridges.ros2.peer import PATIENCE
+from farhand.testing import Programs, short_task
+from tests.farhand.bridges.ros2.peer import PATIENCE, Peer, router
 
 pytestmark = pytest.mark.realtime
-STATUS = "moveit_msgs/msg/ServoStatus"
+STATUS, MARKERS = "moveit_msgs/msg/ServoStatus", "visualization_msgs/msg/MarkerArray"
 
 
 @pytest.mark.long
@@ -49,3 +49,29 @@ def test_it_talks_to_a_router_by_tls_and_who_is_of_another_authority_does_not(tm
         assert bridge.interrupt(30) == 0
         assert refused.wait() == 2
         assert "no Zenoh router answers there" in refused.said[-1]
+
+
+def test_on_the_robots_side_it_hears_and_stops_the_robot_by_tls_and_who_is_of_another_authority_does_not(
+    tmp_path,
+):
+    certs, foreign = tmp_path / "certs", tmp_path / "foreign"
+    make_authority(certs)
+    issue(certs, "robot", "ur5")
+    own = issue(certs, "operator", "alice", ["ur5"])
+    make_authority(foreign)
+    mallory = issue(foreign, "operator", "alice", ["ur5"])
+    port, far = free_ports(2)
+    endpoint = f"tls/127.0.0.1:{far}"
+    node = ("ros2", "--side", "robot", "--router", f"tcp/127.0.0.1:{port}", "--connect", endpoint, "--tls")
+    with router(port), Peer(port) as peer, Programs(tmp_path) as programs:
+        scenario = short_task(tmp_path)
+        programs.start("robot", "--scenario", scenario, "--listen", endpoint, "--tls", certs / "robot.ur5")
+        heard = {name: peer.listen(f"/{name}/ur5/markers", MARKERS) for name in ("alice", "mallory")}
+        refused = programs.start(*node, mallory, "--namespace", "/mallory")
+        refused.wait_for("nobody answers")
+        programs.start(*node, own, "--namespace", "/alice")
+        assert "targets" in {each.ns for each in heard["alice"].get(timeout=PATIENCE).markers}
+        stopped = peer.call("/alice/ur5/estop", "std_srvs/srv/Trigger")
+        assert stopped.success, stopped.message
+        assert heard["mallory"].empty()
+        assert not any("connected" in line for line in refused.said)

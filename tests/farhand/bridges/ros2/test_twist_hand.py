@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from farhand.bridges.ros2.inbound.arrivals import LATE_NS
 from farhand.bridges.ros2.inbound.twist_hand import SILENCE_NS, TwistHand, Wanted
+from farhand.bridges.ros2.settings import UNITS
 
 REST, FORWARD = Wanted((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), Wanted((0.1, 0.0, 0.0), (0.0, 0.0, 0.0))
 A, B = b"a" * 16, b"b" * 16
@@ -42,6 +43,14 @@ def test_a_zero_and_then_a_twist_is_a_press_and_silence_lets_go():
     sender.send(REST, 310 * MS)
     sender.send(FORWARD, 320 * MS)
     assert hand.wish(321 * MS).press == 2
+
+
+def test_without_units_a_twist_is_a_share():
+    hand = TwistHand(UNITS["unitless"])
+    sender = Sender(hand)
+    sender.send(REST, 0)
+    sender.send(FORWARD, 10 * MS)
+    assert (hand.wish(11 * MS).engaged, hand.wish(11 * MS).unit) == (True, "share")
 
 
 def test_what_is_held_before_it_comes_moves_nothing():

@@ -1,13 +1,17 @@
 """The bridge and an independent node (zenoh-ros2-sdk) at a real Zenoh router, each topic both ways."""
 
+import math
 import queue
 import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from farhand.bridges.ros2.graph.node import namesakes
+from farhand.bridges.ros2.graph.wire import Attachment, data_key
 from farhand.bridges.ros2.serving.parameters import STRING
 from farhand.common.link.ports import free_ports
 from farhand.common.messages.camera import CameraFrame
@@ -19,6 +23,11 @@ pytestmark = pytest.mark.realtime
 TWIST = "geometry_msgs/msg/TwistStamped"
 TF, MARKERS = "tf2_msgs/msg/TFMessage", "visualization_msgs/msg/MarkerArray"
 LATCHED = ":1:,1:,:,:,,"
+NO_VALUE = {
+    "bool_value": False, "integer_value": 0, "double_value": 0.0, "byte_array_value": np.zeros(0, np.uint8),
+    "bool_array_value": np.zeros(0, np.bool_), "integer_array_value": np.zeros(0, np.int64),
+    "double_array_value": np.zeros(0), "string_array_value": [],
+}  # fmt: skip
 UR5 = description(kind="ur5", model="ur5", joint_names=tuple("abcdef"), radius=0.05)
 
 
@@ -88,7 +97,8 @@ def test_what_farhand_says_is_decoded_by_an_independent_node(bridge, peer):
     ball = scene(0, obstacle("ball"), targets=((0.5, 0.0, 0.5),))
     moves = {"velocity": (0.1, 0.0, 0.0), "plan": ((0.1, 0.0, 0.0),) * 3}
     slowed = {"safety": "run", "states": 1, "intervening": True, "binding": "ball", "inflation": 0.03, "rtt": 0.4,
-              "desired": (0.2, 0.0, 0.0), "filtered": (0.1, 0.0, 0.0), "predicted": (0.4, 0.1, 0.3)}  # fmt: skip
+              "clearance": 0.05, "desired": (0.2, 0.0, 0.0),
+              "filtered": (0.1, 0.0, 0.0), "predicted": (0.4, 0.1, 0.3)}  # fmt: skip
     stream = again(
         bridge,
         lambda seq: (UR5, "description"),
@@ -116,6 +126,7 @@ def _see(heard, joints, picture):
         drawn |= {each.ns: each for each in first(heard["/farhand/r/markers"]).markers if each.action == 0}
     assert drawn["obstacle ball"].scale.x == pytest.approx(0.2)
     assert len(drawn["plan"].points) == 5
+    assert drawn["binding"].text == "ball: 50 mm"
     status = first(heard["/farhand/r/status"], lambda m: m.code != -1)
     assert (status.code, status.message) == (4, "slowed for ball")
     told = first(heard["/diagnostics"], lambda m: m.status[0].level == 0).status
@@ -173,8 +184,6 @@ def test_twists_drive(bridge, peer):
 
 
 def test_a_joystick_drives(bridge, peer):
-    import numpy as np
-
     publisher = peer.publisher("/joy", "sensor_msgs/msg/Joy")
 
     def publish(pressed):
@@ -222,6 +231,14 @@ def test_it_is_in_the_graph_with_its_hashes_and_leaves_it_when_it_is_gone(port, 
         assert not [token for token in peer.tokens() if f"/{bridge.zid}/" in token]
 
 
+def test_a_node_of_the_same_name_is_found_and_another_is_not(bridge, peer):
+    session = peer.session.session
+    assert namesakes(session, 0, "/farhand", "r") == 1
+    assert [
+        namesakes(session, *other) for other in ((1, "/farhand", "r"), (0, "", "r"), (0, "/farhand", "s"))
+    ] == [0] * 3
+
+
 def test_parameters_are_read_only(bridge, peer):
     names = peer.call("/farhand/r/list_parameters", "rcl_interfaces/srv/ListParameters", prefixes=[], depth=0)
     assert {"robot", "command_in_type", "joy.deadman"} <= set(names.result.names)
@@ -233,20 +250,40 @@ def test_parameters_are_read_only(bridge, peer):
         "/farhand/r/describe_parameters", "rcl_interfaces/srv/DescribeParameters", names=["robot"]
     )
     assert found.descriptors[0].read_only
+    make = peer.types.make
+    other = make("rcl_interfaces/msg/ParameterValue", **NO_VALUE | {"type": STRING, "string_value": "other"})
+    wanted = [make("rcl_interfaces/msg/Parameter", name="robot", value=other)]
+    found = peer.call("/farhand/r/set_parameters", "rcl_interfaces/srv/SetParameters", parameters=wanted)
+    assert [(each.successful, "is read-only" in each.reason) for each in found.results] == [(False, True)]
 
 
 def test_what_is_none_is_counted_said_and_moves_nothing(bridge, peer):
-    """Foreign domain and foreign type over the wire; the rest without one, in test_inbound.py."""
-    wrong = peer.publisher("/farhand/r/delta_twist_cmds", "geometry_msgs/msg/Twist")
+    topic = "/farhand/r/delta_twist_cmds"
+    own, kind = peer.publisher(topic, TWIST), peer.publisher(topic, "geometry_msgs/msg/Twist")
+    domain = peer.publisher(topic, TWIST, domain_id=9)
     moving = twist(peer, (0.2, 0.0, 0.0))
+    key = data_key(0, topic, TWIST, peer.types.hash_of(TWIST))
+    attachment, put = Attachment(1, 0, b"g" * 16).to_bytes(), peer.session.session.put
+
+    def publish():
+        kind.publish(linear=moving["twist"].linear, angular=moving["twist"].angular)
+        domain.publish(**moving)
+        put(key, b"\0\1\0\0\7", attachment=attachment)
+        put(key, peer.types.encode(peer.make(TWIST, **moving), TWIST), attachment=attachment[:-1])
+        put(key[:-1] + "x", b"", attachment=attachment)
+        own.publish(**twist(peer, (math.nan, 0.0, 0.0)))
+        own.publish(**twist(peer, (0.2, 0.0, 0.0), frame="camera"))
+
+    reasons = {"type", "domain", "malformed", "attachment", "type hash", "not finite", "frame"}
     for seq in range(300):
         bridge.feed(report(seq, safety="run"))
-        wrong.publish(linear=moving["twist"].linear, angular=moving["twist"].angular)
-        if bridge.bridge.refusals.counts:
+        publish()
+        if len(bridge.bridge.refusals.counts) == len(reasons):
             break
         bridge.wait(lambda s: s.engaged, 0.02)
-    assert any("expected geometry_msgs::msg::dds_::TwistStamped_" in line for line in bridge.told)
-    assert set(bridge.bridge.refusals.counts) == {"/farhand/r/delta_twist_cmds: type"}
+    assert set(bridge.bridge.refusals.counts) == {f"{topic}: {reason}" for reason in reasons}
+    for reason in reasons:
+        assert any(f"{topic}: refused: {reason}: " in line for line in bridge.told), reason
     assert not [each for each in bridge.steered if each.engaged]
 
 
