@@ -2,9 +2,9 @@
 
 import math
 import re
-import zlib
 from collections import Counter
 from typing import Generic, TypeVar
+from zlib import crc32
 
 import msgspec
 
@@ -37,7 +37,7 @@ def encode(message: Message) -> bytes:
     TCP's and Zenoh's own checks end at their last hop; this one spans from program to program.
     """
     body = _one_field_more(_encoder.encode(message)) + _CHECK_KEY
-    return body + zlib.crc32(body).to_bytes(4, "big")
+    return body + crc32(body).to_bytes(4, "big")
 
 
 def _one_field_more(encoded: bytes) -> bytes:
@@ -47,11 +47,6 @@ def _one_field_more(encoded: bytes) -> bytes:
         return bytes((head + 1,)) + encoded[1:]
     fields, rest = (15, encoded[1:]) if head == 0x8F else (int.from_bytes(encoded[1:3], "big"), encoded[3:])
     return b"\xde" + (fields + 1).to_bytes(2, "big") + rest  # map 16
-
-
-def _checks(payload: bytes, check: int) -> bool:
-    """Whether `check` stands at the end of the payload and is the CRC-32 of what is before it."""
-    return payload[-11:-4] == _CHECK_KEY and zlib.crc32(payload[:-4]) == check
 
 
 # A number that is not finite has all bits of its exponent set. Elsewhere those bytes mean nothing, so that only where
@@ -92,7 +87,8 @@ class Decoder(Generic[M]):
         except (msgspec.DecodeError, ValueError, RecursionError, OverflowError) as error:
             raise CodecError("malformed", str(error)) from None
         if message.check is not msgspec.UNSET:
-            if not _checks(payload, message.check):
+            # the CRC-32 of what is before it, and the last field
+            if payload[-11:-4] != _CHECK_KEY or crc32(payload[:-4]) != message.check:
                 raise CodecError("checksum", "the bytes are not those that were sent")
             msgspec.structs.force_setattr(message, "check", msgspec.UNSET)
         if message.schema != SCHEMA:
