@@ -29,7 +29,8 @@ class StateLoss:
 
     def received(self, state: RobotState) -> None:
         """Note a state, new, late or there already."""
-        seq, stamped = state.seq, (state.seq, state.t_sent_ns)
+        seq = state.seq
+        stamped = seq, state.t_sent_ns
         if state.session != self._session or abs(seq - self._newest[0]) > JUMP:
             self._session = state.session
             self._first = self._newest = stamped
@@ -39,7 +40,8 @@ class StateLoss:
         if seq >= self._low and seq not in self._there:
             self._there.add(seq)
             self._present += seq < self._high
-        self._newest = max(self._newest, stamped)
+        if stamped > self._newest:
+            self._newest = stamped
 
     @property
     def share(self) -> float | None:

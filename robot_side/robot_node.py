@@ -63,6 +63,7 @@ class RobotNode:
         self._robot = robot
         self._link = link
         self._name = name
+        self._state_key = state_key(name)
         self._session = session
         self._period_ns = round(SECOND_NS / settings.rate_hz)
         self._dt = 1.0 / settings.rate_hz
@@ -185,38 +186,35 @@ class RobotNode:
         ]
 
     def _tick(self, now_ns: int, periods: int) -> None:
-        watchdog = self.watchdog
-        if self._field is None:
-            self._field = ObstacleField(self._obstacles, now_ns)
+        watchdog, field = self.watchdog, self._field
+        if field is None:
+            field = self._field = ObstacleField(self._obstacles, now_ns)
         if periods > 1 and self._robot.catches_up:
-            self._catch_up(self._field, now_ns, periods - 1)
+            self._catch_up(field, now_ns, periods - 1)
         watchdog.tick(now_ns)
         packets = self._link.receive()
         if packets:
             self.intake.take(packets, now_ns)
             self.scene_intake.take(packets)
         self._note_silence(now_ns)
-        self._observe(self._field, now_ns)
+        self._observe(field, now_ns)
         if self.scene_intake.waits:
-            self._change_scene(self._field, now_ns)
-        self._heed(now_ns)
-        self._move(self._field, now_ns)
+            field = self._change_scene(field, now_ns)
+        why = self._robot.stopped_by()
+        if why:  # the robot itself says that it is stopped
+            watchdog.block(why, now_ns)
+        self._move(field, now_ns)
 
-    def _change_scene(self, field: ObstacleField, now_ns: int) -> None:
+    def _change_scene(self, field: ObstacleField, now_ns: int) -> ObstacleField:
         """Judge one request; guard, clearances and what is announced have the new scene from this tick on."""
         found = self.scene_intake.judge(field.at(now_ns), now_ns, self._crowded)
         if found is not None:
             self.replace_obstacles(found, now_ns)
+        return self._field or field
 
     def _crowded(self, obstacles: Sequence[Obstacle]) -> str:
         guard = self._guard if self._guard is not None else self._guarded
         return crowded_by(obstacles, self._robot, self._sample, self._radius, guard, self._d_min)
-
-    def _heed(self, now_ns: int) -> None:
-        """Stop where the robot itself says that it is stopped."""
-        why = self._robot.stopped_by()
-        if why:
-            self.watchdog.block(why, now_ns)
 
     def _catch_up(self, field: ObstacleField, now_ns: int, behind: int) -> None:
         for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):
@@ -241,13 +239,13 @@ class RobotNode:
 
     def _move(self, field: ObstacleField, now_ns: int) -> None:
         # The one place between what the operator may ask for and what the robot does.
-        twist = self.watchdog.twist(now_ns)
+        watchdog = self.watchdog
         if not self._guarded:
-            self._robot.step(twist, self._dt)
-        elif self.watchdog.mode in ("stopped", "estop"):
+            self._robot.step(watchdog.twist(now_ns), self._dt)
+        elif watchdog.latched:
             self._robot.halt(self._dt)
         else:
-            self._move_guarded(twist, field, now_ns)
+            self._move_guarded(watchdog.twist(now_ns), field, now_ns)
         self._stepped += 1
 
     def _move_guarded(self, twist: Twist, field: ObstacleField, now_ns: int) -> None:
@@ -325,7 +323,7 @@ class RobotNode:
             guard=self._tally.take() or msgspec.UNSET,
         )
         self._state_seq += 1
-        self._link.send(Packet(state_key(self._name), encode(state)))
+        self._link.send(Packet(self._state_key, encode(state)))
 
     def _send_scene_if_due(self, now_ns: int) -> None:
         # A new holder is a change as well: it must not wait a second before it knows what to avoid.

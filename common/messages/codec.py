@@ -2,9 +2,9 @@
 
 import math
 import re
-import zlib
 from collections import Counter
 from typing import Generic, TypeVar
+from zlib import crc32
 
 import msgspec
 
@@ -37,7 +37,7 @@ def encode(message: Message) -> bytes:
     TCP's and Zenoh's own checks end at their last hop; this one spans from program to program.
     """
     body = _one_field_more(_encoder.encode(message)) + _CHECK_KEY
-    return body + zlib.crc32(body).to_bytes(4, "big")
+    return body + crc32(body).to_bytes(4, "big")
 
 
 def _one_field_more(encoded: bytes) -> bytes:
@@ -51,7 +51,7 @@ def _one_field_more(encoded: bytes) -> bytes:
 
 def is_sealed(payload: bytes, check: int) -> bool:
     """Whether `check` stands at the end of the payload and is the CRC-32 of what is before it."""
-    return payload[-11:-4] == _CHECK_KEY and zlib.crc32(payload[:-4]) == check
+    return payload[-11:-4] == _CHECK_KEY and crc32(payload[:-4]) == check
 
 
 # A number that is not finite has all bits of its exponent set. Elsewhere those bytes mean nothing, so that only where

@@ -21,14 +21,15 @@ class Histogram:
 
     def add(self, duration_ns: int) -> None:
         """Record one duration >= 0."""
-        self.count += 1
+        count = self.count = self.count + 1
         difference = duration_ns - self._mean
-        self._mean += difference / self.count
-        self._squares += difference * (duration_ns - self._mean)
+        mean = self._mean = self._mean + difference / count
+        self._squares += difference * (duration_ns - mean)
         if duration_ns > self.max_ns:
             self.max_ns = duration_ns
         index = int(math.log(duration_ns) * _BINS_PER_E) if duration_ns > 0 else -1
-        self._bins[index] = self._bins.get(index, 0) + 1
+        bins = self._bins
+        bins[index] = bins.get(index, 0) + 1
 
     def merge(self, other: "Histogram") -> None:
         """Add all of another histogram."""

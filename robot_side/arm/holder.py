@@ -1,13 +1,11 @@
 """What keeps the arm from following a tool velocity: a joint's limit, its reach, a singularity, a joint's speed."""
 
-from operator import mul
-
 import numpy as np
 
 from farhand.common.geometry import Array, norm
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.kernel.velocity import unbounded
+from farhand.robot_side.kernel.velocity import along, unbounded
 
 SLOW = 0.005
 """Who wants less than this (m/s) is held by nothing."""
@@ -25,7 +23,9 @@ OUTWARD = 0.85
 
 def prepare(n: int) -> None:
     """Compile, or load, what an arm of n joints is asked with; else the first state of one that is held waits."""
-    unbounded(np.zeros((6, n)), np.zeros(3), DAMPING, np.zeros(n))
+    jacobian, wanted, qd = np.zeros((6, n)), np.zeros(3), np.zeros(n)
+    unbounded(jacobian, wanted, DAMPING, qd)
+    along(jacobian, qd, wanted)
 
 
 def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, wanted: Array) -> str:
@@ -38,9 +38,8 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
         commanded: (n,) joint velocities that were commanded for it (rad/s).
         wanted: (3,) tool velocity (m/s).
     """
-    line = wanted.tolist()
-    speed = norm(line)
-    if speed < SLOW or _along(line, jacobian, commanded) >= FOLLOWED * speed**2:
+    speed = norm(wanted.tolist())
+    if speed < SLOW or along(jacobian, commanded, wanted) >= FOLLOWED * speed**2:
         return ""
     free: Array = np.empty(len(q))
     regular = unbounded(np.ascontiguousarray(jacobian), wanted, DAMPING, free)
@@ -54,15 +53,6 @@ def holder(kinematics: Kinematics, q: Array, jacobian: Array, commanded: Array, 
     fast = np.abs(free) / kinematics.max_velocity
     fastest = kinematics.arm.joint_names[int(np.argmax(fast))]
     return f"speed limit of {fastest}" if float(fast.max()) > 1.0 else ""
-
-
-def _along(line: list[float], jacobian: Array, commanded: Array) -> float:
-    """The tool's commanded velocity times a line (3,); asked for at every state, so without numpy's overhead."""
-    total, qd = 0.0, commanded.tolist()
-    for component, row in zip(line, jacobian[:3].tolist(), strict=True):
-        if component:
-            total += component * sum(map(mul, row, qd))
-    return total
 
 
 def _singularity(q: Array, jacobian: Array, arm: ArmModel) -> str:

@@ -107,6 +107,7 @@ def bare_text(text: str) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
+@lru_cache(maxsize=8)
 def massive_text(text: str) -> str:
     """The same URDF without the links at its ends that have neither mass nor shape: frames, of which physics knows
     nothing, and which cost it as much as any other link in every step."""

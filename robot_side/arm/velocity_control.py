@@ -45,7 +45,7 @@ class VelocityControl(Protocol):
         Args:
             q: (n,) joint positions (rad).
             previous: (n,) what was commanded last (rad/s).
-            tool: kinematics at q.
+            tool: kinematics at q, in C order (as ArmChain makes it), for which the kernels are compiled.
             v_tool_in_base: (3,) wanted tool velocity (m/s).
             dt: control period (s).
             omega_in_base: (3,) commanded angular velocity of the tool (rad/s).
@@ -72,6 +72,7 @@ class DirectionKeeping:
         self.failures = 0
         # compiled, or loaded, now and not in the first period
         n, eye = bounds.n, np.eye(3)
+        self._n = n
         tick(
             self._limits, self._home, self._home, np.zeros(n), np.zeros((6, n)), eye, eye.copy(), np.zeros(3), _NO_TURN,
             1.0, np.empty(n),
@@ -87,14 +88,10 @@ class DirectionKeeping:
         omega_in_base: Array = _NO_TURN,
     ) -> Array:
         """See VelocityControl."""
-        answer: Array = np.empty(len(q))
-        J, R = (
-            np.ascontiguousarray(tool.jacobian),
-            np.ascontiguousarray(tool.R_base_tool),
-        )  # compiled for these
+        answer: Array = np.empty(self._n)
         status = tick(
-            self._limits, self._home, q, previous, J, R, self.R_base_wanted, v_tool_in_base, omega_in_base, dt,
-            answer,
+            self._limits, self._home, q, previous, tool.jacobian, tool.R_base_tool, self.R_base_wanted,
+            v_tool_in_base, omega_in_base, dt, answer,
         )  # fmt: skip
         self.failures += status != SOLVED
         return answer
@@ -129,7 +126,7 @@ class DampedLeastSquares:
         J = tool.jacobian
         least = LEAST_SPEED_WEIGHT + damping(J)
         qd = J.T @ np.linalg.solve(J @ J.T + least * np.eye(6), np.concatenate([v_tool_in_base, omega]))
-        turn_wanted(self.R_base_wanted, np.ascontiguousarray(tool.R_base_tool), omega_in_base, dt)
+        turn_wanted(self.R_base_wanted, tool.R_base_tool, omega_in_base, dt)
         excess = float(np.max(np.abs(qd) / self._max_velocity))
         return np.clip(qd / max(1.0, excess), low, high)
 

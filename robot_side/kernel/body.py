@@ -31,14 +31,16 @@ def frames(chain, q, R, p):
 
 
 @compiled
-def moved_at_most(R, p, R_then, p_then, reach):
-    """How far any point can have gone that is within `reach` (m) of a joint's frame and moves with it (m).
+def moved_at_most(R, p, R_then, p_then, reach, carriers, moved):
+    """Fill `moved` (links,): how far any point of a link can have gone (m), that is within `reach` (m) of the frame of
+    the joint `carriers` (links,) with which it moves; returns their sum.
 
     The frames were R_then and p_then, which become R and p now. A turn by an angle a moves a point by at most
     2 sin(a/2) times its distance, which is |R - R_then|_F / sqrt(2) times it.
     """
-    most = 0.0
-    for i in range(R.shape[0]):
+    n = R.shape[0]
+    gone = np.empty(n)
+    for i in range(n):
         way, turned = 0.0, 0.0
         for k in range(3):
             way += (p[i, k] - p_then[i, k]) ** 2
@@ -46,8 +48,12 @@ def moved_at_most(R, p, R_then, p_then, reach):
             for m in range(3):
                 turned += (R[i, k, m] - R_then[i, k, m]) ** 2
                 R_then[i, k, m] = R[i, k, m]
-        most = max(most, math.sqrt(way) + reach * math.sqrt(0.5 * turned))
-    return most
+        gone[i] = math.sqrt(way) + reach * math.sqrt(0.5 * turned)
+    total = 0.0
+    for i in range(carriers.shape[0]):
+        moved[i] = gone[carriers[i]]
+        total += moved[i]
+    return total
 
 
 @compiled

@@ -6,6 +6,8 @@ Arrays:
     R: (n, 3, 3), p: (n, 3) the joints' frames in base, turned by q (m).
     R_tool: (3, 3), p_tool: (3,) the tool in base.
     J: (6, n) linear over angular velocity of the tool in base, per rad/s.
+    placed: (18 n + 25,) R, p, R_tool, p_tool, J and the tool's state one after the other, see `parts`: to hand over one
+        array costs less than to hand over six.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls, allow-untyped-decorators
@@ -125,7 +127,25 @@ def tool_state(R_tool, p_tool, J, qd, out):
 
 
 @compiled
-def moving_tool(chain, q, qd, R, p, R_tool, p_tool, J, out):
-    """Fill everything at joint positions and velocities q, qd (n,): `forward`, and of the tool `tool_state`."""
-    forward(chain, q, R, p, R_tool, p_tool, J)
-    tool_state(R_tool, p_tool, J, qd, out)
+def parts(placed, n):
+    """R, p, R_tool, p_tool, J and the tool's state (13,), each of them a part of `placed` and not a copy."""
+    p, tool = 9 * n, 12 * n
+    J = tool + 12
+    out = J + 6 * n
+    return (
+        placed[:p].reshape((n, 3, 3)),
+        placed[p:tool].reshape((n, 3)),
+        placed[tool : tool + 9].reshape((3, 3)),
+        placed[tool + 9 : J],
+        placed[J:out].reshape((6, n)),
+        placed[out : out + 13],
+    )
+
+
+@compiled
+def moving_tool(chain, joints, placed):
+    """Fill `placed` at joint positions and velocities (2 n,): `forward`, and of the tool `tool_state`."""
+    n = joints.shape[0] // 2
+    R, p, R_tool, p_tool, J, out = parts(placed, n)
+    forward(chain, joints[:n], R, p, R_tool, p_tool, J)
+    tool_state(R_tool, p_tool, J, joints[n:], out)

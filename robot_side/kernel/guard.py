@@ -6,7 +6,8 @@ Arrays:
     capsules: (c, 8): joint it moves with (-1: base), ends a and b in that joint's frame (3 + 3), radius (m).
     reach: (c, n) farthest that a capsule's points can be from each joint's axis, over all configurations (m).
     pairs: (k, 2) capsules that must stay apart; slack: (k,) by how much less than `keep` they may (m).
-    A, B: (c, 3) the capsules' ends in base. R, p: (n, 3, 3), (n, 3) the joints' frames in base.
+    A, B: (c, 3) the capsules' ends in base.
+    joints: (2 n,) positions, then velocities, of the joints (rad, rad/s). placed: see chain.py.
     rows, vertices: the table of obstacles.
     rows_out, b_out: (capacity, n), (capacity,): rows_out q' >= b_out.
     facts: (capacity, 5): distance, capsule, obstacle or -1 - pair, speed of approach that was asked to be less (m/s),
@@ -21,7 +22,7 @@ Arrays:
 import numpy as np
 
 from farhand.robot_side.kernel.body import DT, KEEP, REACTION, STOP_SHARE
-from farhand.robot_side.kernel.chain import forward
+from farhand.robot_side.kernel.chain import forward, parts
 from farhand.robot_side.kernel.distance import NOTHING
 from farhand.robot_side.kernel.jit import compiled
 from farhand.robot_side.kernel.qp import BAD_INPUT, SOLVED, solve, yielding
@@ -90,21 +91,23 @@ def leave_for_later(b_out, facts, count, keep, soon):
 @compiled
 def guarded_tick(
     chain, limits, home, capsules, reach, pairs, slack, par, rows, vertices,
-    q, actual, previous, v, w, R_wanted, asked, by_law, placed,
-    R, p, R_tool, p_tool, J, rows_out, b_out, facts, watched, qd, report,
+    joints, commanded, v, w, R_wanted, asked, by_law, known,
+    placed, rows_out, b_out, facts, watched, qd, report,
 ):  # fmt: skip
-    """One control period under the guard: fill qd (n,), the frames and J at q, report; turn R_wanted.
+    """One control period under the guard: fill qd (n,), `placed` but for the tool's state, report; turn R_wanted.
 
     Args:
         limits, home, v, w, R_wanted: see velocity.py.
-        actual: (n,) joint velocities now (rad/s).
+        commanded: (n,) joint velocities commanded last (rad/s); may be qd.
         asked: (n,) joint velocities of another law; used where `by_law` is False.
-        placed: the frames and J are those at q already.
+        known: `placed` is that of these joints already.
     """
-    n = q.shape[0]
+    n = commanded.shape[0]
+    q, actual, previous = joints[:n], joints[n:], commanded.copy()
+    R, p, R_tool, p_tool, J, _ = parts(placed, n)
     low, high = np.empty(n), np.empty(n)
     acceleration = limits[MAX_ACCELERATION]
-    if not placed:
+    if not known:
         forward(chain, q, R, p, R_tool, p_tool, J)
     joint_box(limits, q, previous, par[DT], low, high)
     count, watching, near, near_part, near_other = find_rows(

@@ -78,6 +78,19 @@ def brake(low, high, qd):
 
 
 @compiled
+def along(J, qd, line):
+    """The tool's velocity under joint velocities qd (n,), times a line (3,)."""
+    total = 0.0
+    for k in range(3):
+        if line[k] != 0.0:
+            moves = 0.0
+            for i in range(qd.shape[0]):
+                moves += J[k, i] * qd[i]
+            total += line[k] * moves
+    return total
+
+
+@compiled
 def unbounded(J, v, damping, free):
     """Fill free (n,) with the joint velocities that v (m/s) alone would take; whether J is far from singular.
 

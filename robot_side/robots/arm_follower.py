@@ -46,8 +46,8 @@ class ArmFollower:
         self.commanded: Array = np.zeros(arm.n)
         self._twist, self._wanted, self._omega = STILL, np.zeros(3), np.zeros(3)
         # Positions and velocities of the joints, written together and in place: this happens in every period.
-        joints: Array = np.zeros(2 * arm.n)
-        self.q, self.qd, self._joints = joints[: arm.n], joints[arm.n :], joints.data
+        self.q, self.qd, self._joints = self._chain.q, self._chain.qd, self._chain.joints.data
+        self._tool = self._chain.tool
         self._write = Struct(f"{2 * arm.n}d").pack_into
         self._positions: tuple[float, ...] = ()
         self.observe(q.tolist(), [0.0] * arm.n)
@@ -56,7 +56,7 @@ class ArmFollower:
         """The joints are here, and this fast (n each; rad, rad/s)."""
         self._positions = tuple(q)
         self._write(self._joints, 0, *q, *qd)
-        self._tool = self._chain.at(self.q, self.qd)
+        self._chain.refresh()
 
     def sample(self) -> RobotSample:
         """The state that was observed last."""
@@ -65,7 +65,7 @@ class ArmFollower:
 
     def follow(self, twist: Twist, dt: float, around: Surroundings | None) -> Array:
         """Joint velocities (n,), rad/s, for a period of `dt` s under a twist; `around` None: no guard."""
-        if twist != self._twist:
+        if twist is not self._twist and twist != self._twist:
             self._ask(twist)
         if around is None or self.guard is None:
             self.commanded = self._by_law(dt)

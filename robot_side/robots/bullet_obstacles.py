@@ -4,6 +4,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from farhand.common.geometry import Array
 from farhand.common.messages.base import Quaternion, Vector3
 from farhand.common.messages.scene import Obstacle
 from farhand.common.shapes.box import Box
@@ -11,6 +14,7 @@ from farhand.common.shapes.capsule import Capsule
 from farhand.common.shapes.mesh import Mesh
 from farhand.common.shapes.shape import Shape
 from farhand.common.shapes.sphere import Sphere
+from farhand.robot_side.kernel.floors import sink
 
 _FAR = 10.0  # m; what is farther away is not there
 _AHEAD = 0.2  # m
@@ -37,65 +41,63 @@ class BulletObstacles:
         self._positions: list[Vector3] = []
         self._placed: Sequence[Obstacle] = ()
         # No link is nearer to an obstacle than its floor (m), and the pair that was the nearest is not farther apart
-        # than the ceiling. All floors sink by what the body moves: that is kept once, in `sunk`.
+        # than the ceiling.
         self._links: list[int] = []
-        self._floors: list[list[float]] = []
-        self._lowest: list[float] = []  # of each obstacle's floors
-        self._sunk = 0.0
-        self._nearest, self._ceiling = -1, _FAR
+        self._floors: Array = np.zeros((0, 0))  # (obstacles, links)
+        self._order, self._still = np.zeros(0, np.int64), np.zeros(0)
+        self._nearest, self._ceiling = -1, _FAR  # the pair's place in the floors; m
 
     def nearest(
-        self, obstacles: Sequence[Obstacle], moved: float = math.inf
+        self, obstacles: Sequence[Obstacle], moved: Array | None = None
     ) -> tuple[float, str, int] | None:
         """Distance of the body to the nearest obstacle (m), its id, and the link; None without obstacles near.
 
         Args:
             obstacles: where they are now.
-            moved: no point of the body has moved by more than this since the last call (m). Links that cannot have
-                come nearest are not measured again.
+            moved: (links,) no point of a link has moved by more than this since the last call (m); None: by whatever.
+                Links that cannot have come nearest are not measured again.
         """
         self._place(obstacles)
-        self._sink(moved)
-        found = (_FAR, -1, -1)  # distance, obstacle, link: of equals the first
-        if self._nearest >= 0:
-            found = (min(_FAR, self._ceiling + moved + _ROUNDING), len(obstacles), -1)
-        for low, k in _lowest_first(self._lowest, found[0] + self._sunk):
-            if low >= found[0] + self._sunk + _ROUNDING:
-                break
-            found = self._measure(k, found)
-        best, index, link = found
-        self._nearest = index if 0 <= index < len(obstacles) else -1
-        self._ceiling = best
-        return (best, obstacles[index].id, link) if self._nearest >= 0 else None
+        if moved is None:
+            self._forget()
+            moved = self._still
+        found, first, links = (_FAR, -1, -1), self._nearest, len(self._links)
+        if first >= 0:  # the pair that was the nearest most often is, and leaves few to look at
+            farthest = min(_FAR, self._ceiling + moved.item(first % links) + _ROUNDING)
+            found = self._measure(first, (farthest, len(obstacles), -1))
+        count = sink(self._floors, moved, first, found[0] + _ROUNDING, self._order)
+        if count:
+            for place in self._order[:count].tolist():
+                if self._floors.item(place) >= found[0] + _ROUNDING:
+                    break
+                found = self._measure(place, found)
+        best, k, i = found
+        if i < 0:
+            self._nearest = -1
+            return None
+        self._nearest, self._ceiling = k * links + i, best
+        return best, obstacles[k].id, self._links[i]
 
-    def _measure(self, k: int, found: tuple[float, int, int]) -> tuple[float, int, int]:
-        """The nearest pair so far, or a nearer one of obstacle k."""
-        floors, sunk, solid, client = self._floors[k], self._sunk, self._solids[k], self._client
-        for floor, i in _lowest_first(floors, found[0] + sunk):
-            best, link = found[0], self._links[i]
-            if floor >= best + sunk + _ROUNDING:
-                break
-            # The nearer the limit, the more Bullet skips; a little more spares asking again the next times.
-            reach = best if found[2] == -1 else min(_FAR, best + _AHEAD)
-            points = self._bullet.getClosestPoints(self._body, solid, reach, link, physicsClientId=client)
-            gap = min([point[8] for point in points], default=reach)
-            floors[i] = gap + sunk
-            if points:
-                found = min(found, (gap, k, link))
-        self._lowest[k] = min(floors)
-        return found
+    def _measure(self, place: int, found: tuple[float, int, int]) -> tuple[float, int, int]:
+        """The nearest pair so far, or the one at a place of the floors, if it is nearer: distance, obstacle, link."""
+        k, i = divmod(place, len(self._links))
+        # The nearer the limit, the more Bullet skips; a little more spares asking again the next times.
+        reach = found[0] if found[2] < 0 else min(_FAR, found[0] + _AHEAD)
+        points = self._bullet.getClosestPoints(
+            self._body, self._solids[k], reach, self._links[i], physicsClientId=self._client
+        )
+        gap = min([point[8] for point in points], default=reach)
+        self._floors[k, i] = gap
+        return min(found, (gap, k, i)) if points else found
 
-    def _sink(self, moved: float) -> None:
-        """No point of the body has moved by more than this since (m)."""
-        if moved < math.inf:
-            self._sunk += moved
-            return
+    def _forget(self) -> None:
+        """Nothing is known of any distance."""
         if not self._links:
             count = self._bullet.getNumJoints(self._body, physicsClientId=self._client)
             self._links = list(range(self._first, count))
-        self._floors = [[-math.inf] * len(self._links) for _ in self._solids]
-        self._lowest = [-math.inf] * len(self._solids)
-        self._sunk, self._nearest = 0.0, -1
+        self._floors = np.full((len(self._solids), len(self._links)), -math.inf)
+        self._order, self._still = np.zeros(self._floors.size, np.int64), np.zeros(len(self._links))
+        self._nearest = -1
 
     def remove(self) -> None:
         """Take them out of the world again."""
@@ -113,15 +115,14 @@ class BulletObstacles:
             self.remove()
             self._solids = [self._make(obstacle) for obstacle in obstacles]
             self._shapes, self._positions = shapes, [obstacle.position for obstacle in obstacles]
-            self._sink(math.inf)
+            self._forget()
         if isinstance(obstacles, tuple):  # which nobody changes
             self._placed = obstacles
         for index, obstacle in enumerate(obstacles):
             if obstacle.position != self._positions[index]:
                 came = math.dist(obstacle.position, self._positions[index])
-                self._floors[index] = [floor - came for floor in self._floors[index]]
-                self._lowest[index] -= came
-                if index == self._nearest:
+                self._floors[index] -= came
+                if self._nearest >= 0 and index == self._nearest // len(self._links):
                     self._ceiling += came
                 self._positions[index] = obstacle.position
                 bullet.resetBasePositionAndOrientation(
@@ -162,11 +163,6 @@ class BulletObstacles:
         if isinstance(shape, Mesh):
             return {"shapeType": bullet.GEOM_MESH, "vertices": shape.points.tolist()}
         return {"shapeType": bullet.GEOM_PLANE, "planeNormal": (0.0, 0.0, 1.0)}
-
-
-def _lowest_first(floors: list[float], limit: float) -> list[tuple[float, int]]:
-    """What lies under a limit (m), and where in the list: most lies above, and is not sorted."""
-    return sorted([(floor, i) for i, floor in enumerate(floors) if floor < limit + _ROUNDING])
 
 
 def _turn(orientation: Quaternion) -> Quaternion:

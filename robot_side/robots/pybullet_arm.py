@@ -6,6 +6,7 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Array, Twist
@@ -52,7 +53,10 @@ class ArmWorld:
         self._q = _start_configuration(self.kinematics, scenario) if q is None else q
         self._chain = ArmChain(self.arm)
         self._chain.at(self._q, np.zeros(self.arm.n))
-        # the joints' frames where the arm's clearance was measured last
+        # what was found where the clearance was asked for last, and of which obstacles; None: which may have changed
+        self._found: tuple[float, str, int] | None = None
+        self._asked: tuple[Obstacle, ...] | None = None
+        # the joints' frames where the arm's clearance was asked for last, and how far what is on them has moved since
         self._R_then, self._p_then = np.zeros((self.arm.n, 3, 3)), np.full((self.arm.n, 3), np.inf)
         self._reach = _reach(self.arm)
         _check_targets(self.kinematics, self._q, scenario)
@@ -92,15 +96,15 @@ class ArmWorld:
         return names.get(nearest[2], "base"), nearest[1]
 
     def _nearest(self, obstacles: Sequence[Obstacle]) -> tuple[float, str, int] | None:
-        return self._obstacles.nearest(obstacles, self._moved())
-
-    def _moved(self) -> float:
-        """How far any point of the arm can have gone since this was asked last (m)."""
         now = self._chain
-        moved: float = moved_at_most(
-            now.R_base_joint, now.p_base_joint, self._R_then, self._p_then, self._reach
-        )
-        return moved
+        moved = moved_at_most(
+            now.R_base_joint, now.p_base_joint, self._R_then, self._p_then, self._reach, self._carriers,
+            self._moved,
+        )  # fmt: skip
+        if moved != 0.0 or obstacles is not self._asked:
+            self._found = self._obstacles.nearest(obstacles, self._moved)
+            self._asked = obstacles if isinstance(obstacles, tuple) else None
+        return self._found
 
     def _load_arm(self) -> None:
         bullet, client = self._bullet, self._client
@@ -112,11 +116,15 @@ class ArmWorld:
             self.body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
         self.link_indices: dict[str, int] = {}
         joints: dict[str, int] = {}
+        parents: list[int] = []
         for index in range(bullet.getNumJoints(self.body, physicsClientId=client)):
             info = bullet.getJointInfo(self.body, index, physicsClientId=client)
             joints[info[1].decode()] = index
             self.link_indices[info[12].decode()] = index
+            parents.append(info[16])
         self.joint_indices = [joints[name] for name in self.arm.joint_names]
+        self._carriers = _carriers(parents, self.joint_indices)
+        self._moved: Array = np.zeros(len(self._carriers))
         for index, angle in zip(self.joint_indices, self._q, strict=True):
             bullet.resetJointState(self.body, index, angle, physicsClientId=client)
         self._colliding_pairs: list[tuple[str, str]] = []
@@ -169,7 +177,6 @@ class ArmRobot(ArmWorld, Robot):
         self._forces = arm.max_torque.tolist()
         self._dt = 0.0
         self._read()
-        self._moved()
 
     @classmethod
     def for_scenario(cls, scenario: RobotScenario) -> "ArmRobot":
@@ -259,6 +266,23 @@ def _reach(arm: ArmModel) -> float:
     """No point of a link is farther than this from the frame of the joint that moves it (m)."""
     ends = [float(np.linalg.norm(end)) + each.radius for each in arm.capsules for end in (each.a, each.b)]
     return max(ends, default=0.0) + _SPARE
+
+
+def _carriers(parents: Sequence[int], joint_indices: Sequence[int]) -> NDArray[np.int64]:
+    """The number of the joint with which each link moves, from the first one that moves on.
+
+    Args:
+        parents: of each link, by its own index: the one it hangs on; -1: the base.
+        joint_indices: (n,) the links that the joints move.
+    """
+    first, found = min(joint_indices), list[int]()
+    for index in range(first, len(parents)):
+        link = index
+        while link not in joint_indices and link >= 0:
+            link = parents[link]
+        # one that hangs on the base stands: it has come no farther than any other
+        found.append(joint_indices.index(link) if link >= 0 else 0)
+    return np.array(found, np.int64)
 
 
 def _start_configuration(kinematics: Kinematics, scenario: RobotScenario) -> Array:

@@ -139,7 +139,7 @@ class ArmGuard:
         self._own_chain, self._J = ArmChain(arm), np.zeros((6, n))
         self._A, self._b = np.zeros((ROWS, n)), np.zeros(ROWS)
         self._facts, self._watched = np.zeros((ROWS, kernel.FACTS)), np.zeros((WATCHED, 5))
-        self._qd, self._previous, self._asked = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._qd, self._nothing_asked = np.zeros(n), np.zeros(n)
         self._report = np.zeros(kernel.REPORT)
         self.did: Intervention | None = None
         self.nearest = 1e6
@@ -169,20 +169,18 @@ class ArmGuard:
             around: the obstacles now.
             asked: (n,) joint velocities of another velocity control, to be changed as little as can be; None: the
                 direction-keeping law decides.
-            placed: the arm's frames at `joints.q`, where they are known already.
+            placed: the arm's kinematics at `joints`, where they are known already.
         """
         body, report = self.body, self._report
         chain = self._own_chain if placed is None else placed
-        tool = chain.tool
-        self._J = tool.jacobian
+        if placed is None:
+            chain.q[:], chain.qd[:] = joints.q, joints.qd
+        self._J = chain.tool.jacobian
         by_law = asked is None
-        self._previous[:] = joints.commanded  # may be the array that is filled
-        if asked is not None:
-            self._asked[:] = asked
         status = kernel.guarded_tick(
             body.chain, self._limits, self._home, body.capsules, body.reach, body.pairs, body.slack, self._par,
-            around.rows, around.vertices, joints.q, joints.qd, self._previous, v, w, R_base_wanted, self._asked, by_law,
-            placed is not None, chain.R_base_joint, chain.p_base_joint, tool.R_base_tool, tool.position, tool.jacobian,
+            around.rows, around.vertices, chain.joints, joints.commanded, v, w, R_base_wanted,
+            self._nothing_asked if asked is None else asked, by_law, placed is not None, chain.placed,
             self._A, self._b, self._facts, self._watched, self._qd, report,
         )  # fmt: skip
         said = report.tolist()

@@ -6,6 +6,7 @@ import pytest
 
 from farhand.common.geometry import Twist, to_vector3, turn_between
 from farhand.common.seeds import stream
+from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.limits import JointBounds
 from farhand.robot_side.arm.model import model
@@ -108,7 +109,7 @@ def test_nonsense_brakes_instead_of_raising():
     bounds = JointBounds(kinematics.lower, kinematics.upper, kinematics.max_velocity, A_MAX)
     control = DirectionKeeping(bounds, kinematics.R_base_tool_down)
     q, rng = UR5.home, stream(3, "commands")
-    tool = kinematics.tool(q)
+    tool = ArmChain(UR5).at(q, np.zeros(6))
     previous = np.full(6, 0.5)
     braked = control.joint_velocity(q, previous, tool, np.array([np.nan, 0.0, 0.0]), DT)
     assert control.failures == 1

@@ -88,7 +88,7 @@ def test_what_is_not_measured_again_could_not_be_the_nearest(world):
         ]
         pybullet.resetBasePositionAndOrientation(body, point.tolist(), (0, 0, 0, 1), physicsClientId=client)
         fresh = BulletObstacles(pybullet, client, body)
-        found = field.nearest(obstacles, float(np.linalg.norm(way)))
+        found = field.nearest(obstacles, np.full(1, np.linalg.norm(way)))
         assert found == fresh.nearest(obstacles)
         fresh.remove()
         names.add(found[1])
