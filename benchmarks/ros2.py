@@ -2,10 +2,10 @@
 
 `python -m benchmarks.ros2 [--quick] [--stages] [--json FILE]`. The operator's program and the ROS nodes are fakes of
 this process, at a real router; instants are those of one clock. What a message takes holds two Zenoh links as
-well: beside it stands what one such link takes alone, and what a program uses that passes the same states on by Zenoh and does nothing
-else, at the same time. `--stages` runs more such programs beside it, each with one thing more that the bridge does, so
-that where its share goes is seen on a busy machine, too; what takes how long is not to be read from that. Needs the
-extra `farhand[ros2]`.
+well: beside it stands what one such link takes alone, and what a program uses that passes the same states on by Zenoh
+and does nothing else, at the same time. `--stages` runs more such programs beside it, each with one thing more that the
+bridge does, so that where its share goes is seen on a busy machine, too; what takes how long is not to be read from
+that. Needs the extra `farhand[ros2]`.
 """
 
 import argparse

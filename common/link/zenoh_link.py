@@ -113,7 +113,7 @@ class ZenohLink:
         clock: stamps arrivals.
         on_arrival: called after each arrival, in a Zenoh thread; must only notify.
         direct: no thread of its own: whoever sends publishes, and may wait for 0.2 s where the link is congested; what
-            arrives is taken in Zenoh's thread. For who is on the host of its other end, and is of no use without it.
+            arrives is taken in Zenoh's thread. For who sends nothing, or is on the host of its other end.
 
     Attributes:
         mirror: called with each packet that arrives, in a Zenoh thread; must only queue it; None: nobody is.

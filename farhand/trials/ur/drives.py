@@ -149,11 +149,11 @@ class LateArm(ArmRobot):
 
     def __init__(self, scenario: RobotScenario) -> None:
         super().__init__(scenario)
-        self._asked: tuple[Twist, Surroundings | None] | None = None
+        self._before: tuple[Twist, Surroundings | None] | None = None
 
     def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
         """See Robot."""
-        asked, self._asked = self._asked, (twist, surroundings)
+        asked, self._before = self._before, (twist, surroundings)
         if asked is None:
             super().halt(dt)
         else:
