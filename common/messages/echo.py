@@ -23,6 +23,7 @@ class Numbered(Protocol):
         """See Message."""
         ...
 
+
 LEFT_NS = 2_000_000_000
 """Beyond any network's jitter: what a program sent before its restart may come so late."""
 REMEMBERED = 8
