@@ -46,6 +46,6 @@ class RobotModel:
         known = path.is_relative_to(folder.resolve()) and path.suffix.lower() in (".stl", ".obj")
         if not known or not path.is_file():
             raise InputError(f"{uri}: no mesh (STL, OBJ) of the robots' descriptions in {folder}")
-        name = f"{len(self.meshes)}-{path.name}"
+        name = f"{len(self.meshes)}-{path.stem}.stl"  # as pages get it
         self.meshes[name] = path
         return name

@@ -27,6 +27,7 @@ def test_an_arm_of_another_package_is_drawn_by_its_meshes_as_stl():
     arm = ARMS["ur5e"]
     model = RobotModel(installed(arm.shapes), urdf_of(arm), f"package://{arm.shapes}/")
     assert len(model.meshes) == 7
+    assert all(name.endswith(".stl") and name.encode() in model.urdf for name in model.meshes)
     for path in model.meshes.values():
         stl = light_mesh(path)
         triangles = np.frombuffer(stl, TRIANGLE, offset=HEADER)

@@ -67,14 +67,13 @@ def test_physics_and_arrays_agree(whole, robot):
         assert np.allclose(np.array(bullet.getMatrixFromQuaternion(state[5])).reshape(3, 3), R, atol=1e-5)
 
 
+@pytest.mark.parametrize("robot", ["ur3e", "ur5e"], indirect=True)
 @pytest.mark.parametrize(
     ("one", "other", "joints"),
     [("base_link", "upper_arm_link", (0, 1)), ("wrist_1_link", "wrist_3_link", (4, 5))],
 )
 def test_pairs_of_the_e_series_that_are_not_kept_apart_cannot_meet(robot, one, other, joints):
     arm, bullet, client, body = robot.arm, robot._bullet, robot._client, robot.body
-    if not arm.name.endswith("e"):
-        pytest.skip("its pairs are those of another SRDF")
     assert frozenset((one, other)) in arm.never_colliding
     links = [robot.link_indices.get(name, -1) for name in (one, other)]
     ways = [np.linspace(max(arm.lower[k], -np.pi - 0.5), min(arm.upper[k], np.pi), 25) for k in joints]

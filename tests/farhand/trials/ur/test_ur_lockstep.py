@@ -1,9 +1,15 @@
 """The emulated arm goes where the simulated one goes, when both are asked for the same."""
 
+from contextlib import closing
+
 import numpy as np
 import pytest
 
+from farhand.common.geometry import Twist
+from farhand.robot_side.arm.model import model
+from farhand.runs.scenario import load_scenario, replace_settings
 from farhand.trials.ur.drives import ALIKE, apart, apart_in_lockstep
+from farhand.trials.ur.lockstep import LockstepUr
 
 
 def test_the_distance_of_two_paths_is_that_of_their_places_from_the_others_lines():
@@ -12,6 +18,21 @@ def test_the_distance_of_two_paths_is_that_of_their_places_from_the_others_lines
     assert apart(beside[:1], line) == pytest.approx(0.1)
     assert apart(beside, line) == pytest.approx(0.5)
     assert apart(line, line) == 0.0
+
+
+@pytest.mark.parametrize("name", ["ur3e", "ur5e"])
+def test_an_arm_of_the_e_series_goes_where_it_is_asked_at_500_hz(name):
+    start = tuple(np.round(model(name).tool_pose(model(name).home)[1], 3).tolist())
+    real = {"robot.kind": "ur", "robot.model": name, "robot.host": "127.0.0.1", "obstacles": []}
+    scenario = replace_settings(
+        load_scenario("ur5-obstacle"), real | {"start": start, "targets": [start], "robot.joints": None}
+    )
+    with closing(LockstepUr(scenario)) as arm:
+        assert arm.model == name
+        for _ in range(500):
+            arm.step(Twist((0.0, 0.05, 0.02)), 0.002)
+            went = np.array(arm.sample().position) - start
+    assert went == pytest.approx([0.0, 0.05, 0.02], abs=0.002)  # in 1 s, but for what it starts later
 
 
 @pytest.mark.long
