@@ -18,7 +18,9 @@ def benchmark() -> None:
 
 @benchmark_app.command()
 def safety(
-    quick: Annotated[bool, typer.Option("--quick", help="Some ten minutes on two cores.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Two networks, two tasks: ten minutes on two cores.")
+    ] = False,
     tasks: Annotated[
         int | None,
         typer.Option(

@@ -11,7 +11,7 @@ from farhand.trials.leaderboard.scenes import SCENES
 
 TASKS = 40
 QUICK_TASKS = 2
-QUICK_NETWORKS = ("none", "constant", "bursty-loss-20", "outages-2s")
+QUICK_NETWORKS = ("constant", "outages-2s")
 
 
 def chosen_board(  # noqa: PLR0913 (an option each)

@@ -120,7 +120,9 @@ class Witness(Robot):
             self.seen.links = Violations(d_min)
         rate_hz = scenario.robot.rate_hz
         self._every = max(1, round(rate_hz / SPEED_RATE_HZ))
-        self._evades = not name and any(o.moves for o in scenario.obstacles)
+        self._moves = any(o.moves for o in scenario.obstacles)
+        self._evades = not name and self._moves
+        self._clearance, self._measured_at = -NOTHING_NEAR, self._sample.position
         self._before: deque[Moment] = deque(maxlen=round((WINDOW + EVERY) * rate_hz))
         self._key, self._states, self._stopped = state_key(scenario.robot.kind), Decoder(RobotState), False
 
@@ -170,7 +172,10 @@ class Witness(Robot):
         self._ticks += 1
         now_ns = round(tick * dt * 1e9)
         before = seen.tool.count
-        seen.tool.look(self._field.clearance(sample.position, self._radius, now_ns), dt)
+        if self._moves or not self._far():
+            self._clearance = self._field.clearance(sample.position, self._radius, now_ns)
+            self._measured_at = sample.position
+            seen.tool.look(self._clearance, dt)
         if self._evades:
             self._before.append(Moment(tick * dt, sample.position, sample.velocity, self._stopped))
             if seen.tool.count > before:
@@ -182,6 +187,12 @@ class Witness(Robot):
             self.stands = tick * dt - self._since > LONG
         if seen.links is not None and tick % ARM_EVERY == 0:
             seen.links.look(self._links(np.array(sample.joints), now_ns), ARM_EVERY * dt)
+
+    def _far(self) -> bool:
+        """Whether the sphere has not gone far enough, among what stands, for anything to be new."""
+        tool = self.seen.tool
+        left = self._clearance - distance(self._sample.position, self._measured_at)
+        return left > max(tool.limit, tool.nearest) + 1e-9
 
     def _links(self, q: Array, now_ns: int) -> float:
         """Least distance of any link now (m), by meshes where it is near."""
