@@ -271,11 +271,13 @@ def test_touch_buttons_drive_while_they_are_held(desk):
         "const r = document.querySelector('[data-act=left]').getBoundingClientRect(); return [r.x + 9, r.y + 9]"
     )
     at = {"x": spot[0], "y": spot[1]}
-    desk.browser.cdp("Input.dispatchTouchEvent", type="touchStart", touchPoints=[at])
-    desk.until(lambda: desk.engaged, "a touch engages")
+
+    def touch(kind, *points):
+        desk.browser.cdp("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+
+    desk.begins(lambda: touch("touchStart", at), lambda: touch("touchEnd"))
     assert desk.operator.told[-1].linear == (-1.0, 0.0, 0.0)
-    touch = lambda: desk.browser.cdp("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])  # noqa: E731
-    assert desk.lets_go_after(touch) < LETS_GO_WITHIN + LOADED
+    assert desk.lets_go_after(lambda: touch("touchEnd")) < LETS_GO_WITHIN + LOADED
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
