@@ -11,6 +11,7 @@ from farhand.robot_side.arm.model import model
 from farhand.robot_side.arm.urdf import first_link
 from farhand.robot_side.robots import pybullet_arm
 from farhand.robot_side.robots.arms import chosen_arm, fit_files, model_from_files
+from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.settings import RobotSettings, ToolSettings
 from farhand.runs.scenario import load_scenario, parse_scenario, replace_settings
@@ -96,6 +97,26 @@ def test_a_frame_at_the_foot_is_left_out_where_nothing_is_placed_elsewhere_then(
     </robot>"""
     assert first_link(whole) == "world"
     assert first_link(pybullet_arm.massive_text(whole)) == foot
+
+
+def test_links_that_are_not_measured_again_could_not_be_the_nearest(robot):
+    obstacles = tuple(
+        Obstacle(f"o{k}", place, 0.05)
+        for k, place in enumerate(((0.5, 0.5, 0.3), (-0.4, 0.3, 0.5), (0.3, -0.5, 0.1), (0.0, 0.0, 1.3)))
+    )
+    nearest = set()
+    for k in range(40):
+        q = robot.arm.home + 0.8 * np.sin(0.37 * k * np.arange(1, robot.arm.n + 1))
+        robot.place(np.clip(q, robot.arm.lower, robot.arm.upper))
+        fresh = BulletObstacles(robot._bullet, robot._client, robot.body, min(robot.joint_indices))
+        distance, name, link = fresh.nearest(obstacles)
+        fresh.remove()
+        assert robot.arm_clearance(obstacles) == distance
+        part = robot.nearest_part(obstacles)
+        assert part[1] == name
+        assert robot.link_indices[part[0]] == link
+        nearest.add(link)
+    assert len(nearest) > 1
 
 
 def test_every_arm_rests_without_creeping_and_follows(robot):
