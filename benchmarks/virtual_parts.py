@@ -44,7 +44,7 @@ PARTS: tuple[tuple[Any, str, str], ...] = (
     (pybullet, "setJointMotorControlArray", "PyBullet: motors set"),
     (pybullet, "getJointStates", "PyBullet: joints read"),
     (ArmFollower, "follow", "velocity law, or guard"),
-    (ArmChain, "at", "kinematics"),
+    (ArmChain, "refresh", "kinematics"),
     (ArmRobot, "step", "rest of the arm's step"),
     (ArmRobot, "arm_clearance", "arm's clearance, for a state"),
     (ArmRobot, "held_by", "what holds the arm, for a state"),

@@ -102,18 +102,20 @@ class NetemNode:
     def step(self, now_ns: int) -> int | None:
         """Take in what has arrived, release what is due; returns the next release instant."""
         up, down = self._both
-        arrived = up.source.receive(), down.source.receive()
-        if not self._started and any(arrived):
-            firsts = [packets[0].arrived_ns or now_ns for packets in arrived if packets]
+        commands, states = up.source.receive(), down.source.receive()
+        if not self._started and (commands or states):
+            firsts = [packets[0].arrived_ns or now_ns for packets in (commands, states) if packets]
             self._start(min(now_ns, *firsts))
         next_ns = self._schedule.run(self, now_ns) if self._schedule is not None and self._started else None
-        for direction, packets in zip(self._both, arrived, strict=True):
-            for packet in packets:
-                self._take(direction, packet, now_ns)
+        for packet in commands:
+            self._take(up, packet, now_ns)
+        for packet in states:
+            self._take(down, packet, now_ns)
         for direction in self._both:
-            while (transit := direction.queue.pop_due(now_ns)) is not None:
+            queue = direction.queue
+            while (transit := queue.pop_due(now_ns)) is not None:
                 self._release(direction, transit, now_ns)
-            due_ns = direction.queue.next_ns()
+            due_ns = queue.next_ns()
             if due_ns is not None and (next_ns is None or due_ns < next_ns):
                 next_ns = due_ns
         return next_ns

@@ -26,9 +26,12 @@ class StateLoss:
         self._there: set[int] = set()  # numbers that came, from _low on
         self._low = self._high = 0  # what is counted: numbers from low up to, not including, high
         self._present = 0  # of these, how many came
+        self._share: float | None = None
+        self._judged = True  # since the last state
 
     def received(self, state: RobotState) -> None:
         """Note a state, new, late or there already."""
+        self._judged = False
         seq = state.seq
         stamped = seq, state.t_sent_ns
         if state.session != self._session or abs(seq - self._newest[0]) > JUMP:
@@ -46,6 +49,11 @@ class StateLoss:
     @property
     def share(self) -> float | None:
         """Fraction that never came; None before there is enough that can be judged."""
+        if not self._judged:  # asked more often than a tick, and only a state changes it
+            self._judged, self._share = True, self._judge()
+        return self._share
+
+    def _judge(self) -> float | None:
         (first, first_ns), (newest, newest_ns) = self._first, self._newest
         if newest_ns <= first_ns:
             return None

@@ -110,8 +110,10 @@ def bare_text(text: str) -> str:
 @lru_cache(maxsize=8)
 def massive_text(text: str) -> str:
     """The same URDF without the links at its ends that have neither mass nor shape: frames, of which physics knows
-    nothing, and which cost it as much as any other link in every step."""
+    nothing, and which cost it as much as any other link in every step. At its foot only one that the next link sits on
+    as it is, so that nothing is placed elsewhere."""
     root = ET.fromstring(text)
+    _drop_foot(root)
     links = {link.get("name", ""): link for link in root.findall("link")}
     while True:
         parents = {_linked(joint, "parent") for joint in root.findall("joint")}
@@ -127,6 +129,30 @@ def massive_text(text: str) -> str:
         for joint in bare:
             root.remove(joint)
             root.remove(links[_linked(joint, "child")])
+
+
+@lru_cache(maxsize=8)
+def first_link(text: str) -> str:
+    """The name of the link that hangs on no other."""
+    return _foot(ET.fromstring(text)).get("name", "")
+
+
+def _foot(root: ET.Element) -> ET.Element:
+    children = {_linked(joint, "child") for joint in root.findall("joint")}
+    return next(link for link in root.findall("link") if link.get("name", "") not in children)
+
+
+def _drop_foot(root: ET.Element) -> None:
+    """Remove the first link, if it is a frame on which one link stands fast, at its origin and not turned."""
+    foot = _foot(root)
+    on_it = [joint for joint in root.findall("joint") if _linked(joint, "parent") == foot.get("name")]
+    if len(on_it) != 1 or on_it[0].get("type") != "fixed" or not _is_frame(foot):
+        return
+    origin = on_it[0].find("origin")
+    placed = [] if origin is None else [*origin.get("xyz", "").split(), *origin.get("rpy", "").split()]
+    if not any(map(float, placed)):
+        root.remove(on_it[0])
+        root.remove(foot)
 
 
 def _linked(joint: ET.Element, end: str) -> str:

@@ -16,7 +16,7 @@ from farhand.common.quantities import Vector3
 from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.arm.urdf import massive_text
+from farhand.robot_side.arm.urdf import first_link, massive_text
 from farhand.robot_side.kernel.body import moved_at_most
 from farhand.robot_side.robots.arm_follower import ArmFollower, controls
 from farhand.robot_side.robots.arms import chosen_arm
@@ -115,6 +115,9 @@ class ArmWorld:
             path.write_text(massive_text(self.arm.urdf), encoding="utf-8")
             self.body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
         self.link_indices: dict[str, int] = {}
+        base = bullet.getBodyInfo(self.body, physicsClientId=client)[0].decode()
+        if base != first_link(self.arm.urdf):  # it stands in the place of a frame, and is one of the links
+            self.link_indices[base] = -1
         joints: dict[str, int] = {}
         parents: list[int] = []
         for index in range(bullet.getNumJoints(self.body, physicsClientId=client)):

@@ -10,14 +10,16 @@ from farhand.common.geometry import Twist
 from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.arm.catalogue import ARMS
 from farhand.robot_side.arm.model import model
+from farhand.robot_side.arm.urdf import first_link
 from farhand.robot_side.robots import pybullet_arm
 from farhand.robot_side.robots.arms import chosen_arm, fit_files, model_from_files
+from farhand.robot_side.robots.bullet_obstacles import BulletObstacles
 from farhand.robot_side.robots.registry import make_robot
 from farhand.robot_side.robots.settings import RobotSettings, ToolSettings
 from farhand.runs.scenario import load_scenario, parse_scenario, replace_settings
 from tests.robot_side.arm.own_arm import HOME, SRDF, urdf
 
-PANDA = load_scenario("panda-obstacle")
+PANDA, UR5 = load_scenario("panda-obstacle"), load_scenario("ur5-obstacle")
 DT = 0.002
 STARTS = {
     "ur3": (0.27, 0.0, 0.2),
@@ -67,6 +69,7 @@ def test_physics_and_arrays_agree(whole, robot):
         assert np.allclose(np.array(bullet.getMatrixFromQuaternion(state[5])).reshape(3, 3), R, atol=1e-5)
 
 
+<<<<<<< HEAD
 @pytest.mark.parametrize("robot", ["ur3e", "ur5e"], indirect=True)
 @pytest.mark.parametrize(
     ("one", "other", "joints"),
@@ -87,10 +90,14 @@ def test_pairs_of_the_e_series_that_are_not_kept_apart_cannot_meet(robot, one, o
 
 
 def test_frames_without_mass_or_shape_change_no_bit_of_the_motion(monkeypatch):
+=======
+@pytest.mark.parametrize("scenario", [UR5, PANDA], ids=["ur5", "panda"])
+def test_frames_without_mass_or_shape_change_no_bit_of_the_motion(scenario, monkeypatch):
+>>>>>>> speed
     ways = []
     for text in (pybullet_arm.massive_text, str):
         monkeypatch.setattr(pybullet_arm, "massive_text", text)
-        robot = make_robot(PANDA)
+        robot = make_robot(scenario)
         way = []
         for k in range(300):
             robot.step(Twist((0.1, 0.001 * k, -0.05)), DT)
@@ -100,6 +107,43 @@ def test_frames_without_mass_or_shape_change_no_bit_of_the_motion(monkeypatch):
     (few, lean), (many, full) = ways
     assert few < many
     assert lean == full
+
+
+@pytest.mark.parametrize(
+    ("origin", "foot"),
+    [
+        ('xyz="0 0 0.0" rpy="0 0 0"', "base_link"),
+        ('xyz="0 0 0.1" rpy="0 0 0"', "world"),
+        ('xyz="0 0 0" rpy="0 0 1"', "world"),
+    ],
+)
+def test_a_frame_at_the_foot_is_left_out_where_nothing_is_placed_elsewhere_then(origin, foot):
+    whole = f"""<robot name="it"><link name="world"/>
+      <link name="base_link"><inertial><mass value="1"/></inertial></link>
+      <joint name="fast" type="fixed"><parent link="world"/><child link="base_link"/><origin {origin}/></joint>
+    </robot>"""
+    assert first_link(whole) == "world"
+    assert first_link(pybullet_arm.massive_text(whole)) == foot
+
+
+def test_links_that_are_not_measured_again_could_not_be_the_nearest(robot):
+    obstacles = tuple(
+        Obstacle(f"o{k}", place, 0.05)
+        for k, place in enumerate(((0.5, 0.5, 0.3), (-0.4, 0.3, 0.5), (0.3, -0.5, 0.1), (0.0, 0.0, 1.3)))
+    )
+    nearest = set()
+    for k in range(40):
+        q = robot.arm.home + 0.8 * np.sin(0.37 * k * np.arange(1, robot.arm.n + 1))
+        robot.place(np.clip(q, robot.arm.lower, robot.arm.upper))
+        fresh = BulletObstacles(robot._bullet, robot._client, robot.body, min(robot.joint_indices))
+        distance, name, link = fresh.nearest(obstacles)
+        fresh.remove()
+        assert robot.arm_clearance(obstacles) == distance
+        part = robot.nearest_part(obstacles)
+        assert part[1] == name
+        assert robot.link_indices[part[0]] == link
+        nearest.add(link)
+    assert len(nearest) > 1
 
 
 def test_every_arm_rests_without_creeping_and_follows(robot):
