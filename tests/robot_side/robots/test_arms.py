@@ -69,7 +69,6 @@ def test_physics_and_arrays_agree(whole, robot):
         assert np.allclose(np.array(bullet.getMatrixFromQuaternion(state[5])).reshape(3, 3), R, atol=1e-5)
 
 
-<<<<<<< HEAD
 @pytest.mark.parametrize("robot", ["ur3e", "ur5e"], indirect=True)
 @pytest.mark.parametrize(
     ("one", "other", "joints"),
@@ -89,11 +88,8 @@ def test_pairs_of_the_e_series_that_are_not_kept_apart_cannot_meet(robot, one, o
     assert 0.009 < min(gaps) < 0.02
 
 
-def test_frames_without_mass_or_shape_change_no_bit_of_the_motion(monkeypatch):
-=======
 @pytest.mark.parametrize("scenario", [UR5, PANDA], ids=["ur5", "panda"])
 def test_frames_without_mass_or_shape_change_no_bit_of_the_motion(scenario, monkeypatch):
->>>>>>> speed
     ways = []
     for text in (pybullet_arm.massive_text, str):
         monkeypatch.setattr(pybullet_arm, "massive_text", text)
