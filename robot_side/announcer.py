@@ -48,7 +48,7 @@ class Announcer:
         self._next_ns = 0
         self._holder = 0
         self._stops = 0
-        self._latched = False
+        self._latched, self._mode = False, watchdog.mode
         self._refused: dict[str, int] = {}
         self._scene_refused = 0
 
@@ -63,7 +63,9 @@ class Announcer:
             self._holder = lease.holder
             holder = f"{lease.holder_name}, session {lease.holder:x}," if lease.holder else "nobody"
             self._say(f"{holder} has control{self._why_free()}")
-        if watchdog.stops != self._stops:
+        escalated = self._latched and watchdog.mode == "estop" != self._mode
+        self._mode = watchdog.mode
+        if watchdog.stops != self._stops or escalated:
             self._stops, self._latched = watchdog.stops, True
             stop = next((c for c in reversed(watchdog.changes) if c.mode in ("stopped", "estop")), None)
             self._say(f"stop: {stop.reason}" if stop is not None else "stop")

@@ -68,6 +68,14 @@ def local_timestamp() -> str:
     return datetime.now().strftime("%Y%m%d-%H%M%S")
 
 
+def timestamp_in(name: str) -> float | None:
+    """The instant of `local_timestamp` that a name begins with (s since 1970, this host's zone); None: it has none."""
+    try:
+        return datetime.strptime(name[:15], "%Y%m%d-%H%M%S").timestamp()
+    except (ValueError, OverflowError):
+        return None
+
+
 def local_words(seconds: float) -> str:
     """Wall-clock time of this host for tables: `2026-01-31 23:59`; takes s since 1970."""
     return datetime.fromtimestamp(seconds).strftime("%Y-%m-%d %H:%M")

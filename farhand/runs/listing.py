@@ -17,13 +17,14 @@ from mcap.writer import MCAP0_MAGIC
 from farhand.common.errors import InputError, ResultError, RunFileError
 from farhand.common.recording.reader import RunReader
 from farhand.common.recording.records import RunInfo
-from farhand.common.timing.clock import utc_seconds
+from farhand.common.timing.clock import timestamp_in, utc_seconds
 from farhand.runs.files import RECORDING, RESULTS, RUN_FILES, SUMMARY
 from farhand.runs.summary import read_summary
 
 RECENT = 60.0
 """A recording without an end that was changed in the last minute is being written to (s)."""
 FIRST_CHUNKS = 8
+DAY = 86_400.0
 SUFFIX = ".mcap"
 _FOOTER, _CHECK = struct.Struct("<QQI"), 4
 """At the end of a file: where its summary begins, and its groups; the checksum, which covers all before itself."""
@@ -129,7 +130,7 @@ def _of_folder(folder: Path) -> ListedRun:
     if found is not None and found.note:
         notes.append(found.note)
     files = list(files_of(folder))
-    when = found.when if found is not None else max(each.stat().st_mtime for each in files)
+    when = found.when if found is not None else _named(folder, max(each.stat().st_mtime for each in files))
     if summary is not None and summary.end_known:
         length: float | None = summary.duration
     else:
@@ -153,7 +154,8 @@ def _of_folder(folder: Path) -> ListedRun:
 def _of_file(path: Path) -> ListedRun:
     """A recording by its beginning and its end alone."""
     stat = path.stat()
-    empty = ListedRun(path=str(path), when=stat.st_mtime, size=stat.st_size, writing=_grows(path))
+    named = _named(path.parent if path.name == RECORDING else path, stat.st_mtime)
+    empty = ListedRun(path=str(path), when=named, size=stat.st_size, writing=_grows(path))
     try:
         reader = RunReader(path)
     except RunFileError as error:
@@ -164,7 +166,7 @@ def _of_file(path: Path) -> ListedRun:
     reader.close()
     span, info = _span(path), reader.info
     first_ns = span[0] if span is not None else _first(path) if empty.writing else None
-    began = first_ns * 1e-9 if first_ns is not None and info.epoch_ns else stat.st_mtime
+    began = first_ns * 1e-9 if first_ns is not None and info.epoch_ns else named
     return msgspec.structs.replace(
         empty,
         when=began,
@@ -173,6 +175,12 @@ def _of_file(path: Path) -> ListedRun:
         length=(span[1] - span[0]) * 1e-9 if span is not None else None,
         note="" if span is not None or empty.writing else "recording without an end",
     )
+
+
+def _named(path: Path, changed: float) -> float:
+    """When a run was that does not know it itself (s): by its name, which a copy keeps, else when it was changed."""
+    named = timestamp_in(path.name)
+    return named if named is not None and named < utc_seconds() + DAY else changed
 
 
 def _span(path: Path) -> tuple[int, int] | None:

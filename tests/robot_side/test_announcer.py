@@ -57,6 +57,15 @@ def test_a_stop_and_its_end_are_said(rig):
     assert "acknowledged by operator: may move again" in rig.let(300)
 
 
+def test_an_emergency_stop_of_a_robot_that_is_stopped_is_said_as_well(rig):
+    rig.send(ALICE, 2)
+    rig.let(1900)
+    rig.send(EVE, 1, "estop", source="desk")
+    assert rig.let(300) == ["stop: emergency stop by desk"]
+    rig.send(EVE, 2, "estop", source="desk")
+    assert not any(line.startswith("stop") for line in rig.let(300))
+
+
 def test_an_intruder_is_named_once_and_then_counted(rig):
     rig.send(EVE, 1, count=100, source="eve")
     first = f"refused a command of 'eve', session {EVE:x}: of a session that does not hold control"

@@ -170,6 +170,17 @@ def test_a_damaged_recording_is_listed_with_a_word(runs, damage):
     assert not found.writing
 
 
+def test_a_run_of_virtual_time_is_as_old_as_its_name_says(tmp_path):
+    """A copy is made now, of all of them."""
+    for name in ("20260131-120000-old", "20260201-120000-new", "20260131-180000-middle"):
+        (tmp_path / name).mkdir()
+        record(tmp_path / name / "run.mcap", 0)
+    assert [each.path.rsplit("-", 1)[1] for each in beyond(list_runs(tmp_path), Bounds(number=1))] == [
+        "old",
+        "middle",
+    ]
+
+
 def test_bounds_take_the_oldest(runs):
     found = list_runs(runs)
 
