@@ -71,7 +71,7 @@ class Judge:
         self._meshes = Meshes(arm)
         self._field = ObstacleField(obstacles, 0)
         self._planes = np.array([isinstance(o.shape, Plane) for o in obstacles], dtype=bool)
-        self._moving = [i for i in range(len(body.capsules)) if body.capsules[i, 0] >= 0]
+        self._moving = [i for i in range(body.whole) if body.capsules[i, 0] >= 0]
         self._pairs = self._meshes.pairs(arm.home, d_min)
         self.nearest, self.nearest_self = 1e6, 1e6
         self.part, self.obstacle, self.at = "", "", 0.0
@@ -156,8 +156,8 @@ class _Start:
     """The arm at home, and where obstacles may be around it."""
 
     def __init__(self, arm: ArmModel, body: Body) -> None:
-        self._A, self._B = placed(body, arm.home)
-        self._radii = body.capsules[:, 7]
+        A, B = placed(body, arm.home)
+        self._A, self._B, self._radii = A[: body.whole], B[: body.whole], body.capsules[: body.whole, 7]
         self._reach = 0.95 * arm.longest_reach
 
     def gap(self, obstacle: Obstacle) -> float:

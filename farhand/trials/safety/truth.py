@@ -1,5 +1,5 @@
-"""True distances of an arm's meshes to obstacles, by Coal with the meshes' hulls, and to each other, by their triangles:
-none of it is code of the guard."""
+"""True distances of an arm's meshes to obstacles, by Coal with the meshes' hulls, and to each other, by their
+triangles: none of it is code of the guard."""
 
 from itertools import combinations
 
@@ -60,8 +60,10 @@ class Meshes:
         return least
 
     def between(self, one: str, other: str, below: float = -1e6) -> float:
-        """Of two links where the arm was placed (m): of their hulls where these are `below` (m) apart or farther, else of
-        their triangles; 0 where they meet."""
+        """Of two links where the arm was placed (m); 0, or below it, where they meet.
+
+        Of their hulls where these are `below` (m) apart or farther, else of their triangles.
+        """
         hulls = [each.geometry for each in self._geometry.geometryObjects]
         apart = self._between(hulls, one, other)
         return apart if apart >= below else self._between(self._triangles, one, other)
@@ -84,7 +86,7 @@ class Meshes:
         return least
 
     def pairs(self, home: Array, touching: float) -> list["Pair"]:
-        """All pairs of links that move against each other, but for neighbours that are nearer than `touching` (m) at home.
+        """All pairs of links that move against each other, but for neighbours nearer than `touching` (m) at home.
 
         Which of them the arm's own description calls harmless is nothing to this.
         """
