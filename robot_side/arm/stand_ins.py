@@ -7,7 +7,8 @@ both: not one that holds the link, but one for which this is true at all joint p
     where the stand-ins are 10 mm apart or more, so are the links.
 
 Each radius is the least for which that holds on a fine grid of the joints between the two links, with 2.5 mm to spare.
-Other positions are looked at by tests. The SRDFs of these arms call such pairs harmless; by their meshes they are not.
+Between its points a search found 10.7 mm at the least; tests look at random positions. The SRDFs of
+these arms call such pairs harmless; by their meshes they are not.
 Pairs that nothing brings nearer than 10 mm have none: base and upper arm of the UR10, the URs' wrists 1 and 3.
 """
 
