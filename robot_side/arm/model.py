@@ -27,6 +27,7 @@ from farhand.robot_side.arm.catalogue import (
     urdf_of,
 )
 from farhand.robot_side.arm.srdf import Semantics, read_srdf
+from farhand.robot_side.arm.stand_ins import STAND_INS, Part
 from farhand.robot_side.arm.urdf import Chain, bare_text, read_urdf
 
 MAX_ACCELERATION = 15.0
@@ -61,7 +62,9 @@ class ArmModel:
         p_last_tool: (3,), m.
         capsules: around the links, those of the base included.
         self_pairs: of indices of capsules that must stay apart.
-        never_colliding: pairs of links whose contact means nothing.
+        never_colliding: pairs of links whose contact means nothing in the simulation.
+        stand_ins: for links whose capsules say nothing of each other, see stand_ins.py.
+        stand_in_pairs: of indices that must stay apart as well: i of a capsule, -1 - i of a stand-in.
         elbow, wrist: indices of the joints at whose zero the arm is stretched, the wrist singular; -1: not known.
         reach: where it finds room, for people; empty: not known.
         holds_itself: its joints' controllers take gravity back before they are told anything else.
@@ -90,6 +93,8 @@ class ArmModel:
     wrist: int = -1
     reach: str = ""
     holds_itself: bool = True
+    stand_ins: tuple[LinkCapsule, ...] = ()
+    stand_in_pairs: tuple[tuple[int, int], ...] = ()
 
     @property
     def n(self) -> int:
@@ -145,6 +150,7 @@ def model(name: str) -> ArmModel:
         raise InputError(f"{name!r}: {unknown_arm(name)}")
     chain, semantics = read_known(known)
     built = assemble(chain, known.tool_frame, semantics.never_colliding, read_capsules(capsule_path(name)))
+    stand_ins, pairs = stood_in(built, name)
     return dataclasses.replace(
         built,
         name=name,
@@ -155,7 +161,29 @@ def model(name: str) -> ArmModel:
         wrist=known.wrist,
         reach=known.reach,
         holds_itself=known.holds_itself,
+        stand_ins=stand_ins,
+        stand_in_pairs=pairs,
     )
+
+
+def stood_in(arm: ArmModel, name: str) -> tuple[tuple[LinkCapsule, ...], tuple[tuple[int, int], ...]]:
+    """Stand-ins of a known arm, and their pairs; see ArmModel."""
+    joints = {each.part: each.joint for each in arm.capsules}
+    shapes: list[LinkCapsule] = []
+    pairs: list[tuple[int, int]] = []
+
+    def add(part: Part) -> int:
+        a, b = np.array(part.a), np.array(part.b)
+        shapes.append(LinkCapsule(part.link, joints[part.link], a, b, part.radius))
+        return -len(shapes)
+
+    for each in STAND_INS.get(name, ()):
+        index = add(each.part)
+        if isinstance(each.against, Part):
+            pairs.append((index, add(each.against)))
+        else:
+            pairs += [(index, i) for i, one in enumerate(arm.capsules) if one.part == each.against]
+    return tuple(shapes), tuple(pairs)
 
 
 def read_known(known: KnownArm) -> tuple[Chain, Semantics]:

@@ -15,6 +15,8 @@ from farhand.robot_side.kernel.jit import compiled
 # for how long a mover may accelerate before the arm answers (s)
 KEEP, CHECK, DT, REACTION, GAIN, BRAKING, ROW_SHARE, STOP_SHARE, PUSH, ANSWER = range(10)
 PARAMETERS = 10
+STANDS_IN = 8
+"""Column of the capsules, see guard.py."""
 
 
 @compiled

@@ -3,7 +3,8 @@ control's answer under them, and a check that it can be stopped (stopping.py).
 
 Arrays:
     chain: see chain.py.
-    capsules: (c, 8): joint it moves with (-1: base), ends a and b in that joint's frame (3 + 3), radius (m).
+    capsules: (c, 9): joint it moves with (-1: base), ends a and b in that joint's frame (3 + 3), radius (m), 1 for one
+        that only other links are kept off, else 0.
     reach: (c, n) farthest that a capsule's points can be from each joint's axis, over all configurations (m).
     pairs: (k, 2) capsules that must stay apart; slack: (k,) by how much less than `keep` they may (m).
     A, B: (c, 3) the capsules' ends in base.

@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from farhand.robot_side.kernel.body import add_row, axes_in_base, frames, part_of, place_capsules
+from farhand.robot_side.kernel.body import STANDS_IN, add_row, axes_in_base, frames, part_of, place_capsules
 from farhand.robot_side.kernel.distance import capsule_row, distance_floor
 from farhand.robot_side.kernel.jit import compiled
 from farhand.robot_side.kernel.rows import SHORT_LEVER
@@ -33,7 +33,7 @@ def room(chain, capsules, q, rows, vertices, enough, foot, near):
     count = 0
     for i in range(c):
         joint, radius = int(capsules[i, 0]), capsules[i, 7]
-        if joint < 0:
+        if joint < 0 or capsules[i, STANDS_IN] > 0.0:
             continue
         for j in range(rows.shape[0]):
             if distance_floor(A[i], B[i], radius, rows[j]) >= enough:

@@ -31,6 +31,7 @@ from farhand.robot_side.kernel.body import (
     PUSH,
     REACTION,
     ROW_SHARE,
+    STANDS_IN,
     STOP_SHARE,
     add_row,
     axes_in_base,
@@ -179,7 +180,7 @@ def find_rows(
         fastest = max(fastest, max(abs(low[k]), abs(high[k])))
     for i in range(c):
         joint = int(capsules[i, 0])
-        if joint < 0:
+        if joint < 0 or capsules[i, STANDS_IN] > 0.0:
             continue
         radius = capsules[i, 7]
         v, way = (

@@ -12,7 +12,7 @@ from farhand.common.shapes.plane import Plane
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel, model
 from farhand.robot_side.kernel.distance import capsule_row, distance_floor
-from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Body, Joints, placed, self_gaps
+from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Body, Joints, placed
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.obstacle_field import ObstacleField
 from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
@@ -71,9 +71,11 @@ class Judge:
         self._meshes = Meshes(arm)
         self._field = ObstacleField(obstacles, 0)
         self._planes = np.array([isinstance(o.shape, Plane) for o in obstacles], dtype=bool)
-        self._moving = [i for i in range(len(body.capsules)) if body.capsules[i, 0] >= 0]
+        self._moving = [i for i in range(body.whole) if body.capsules[i, 0] >= 0]
+        self._pairs = self._meshes.pairs(arm.home, d_min)
         self.nearest, self.nearest_self = 1e6, 1e6
         self.part, self.obstacle, self.at = "", "", 0.0
+        self.two = ""
         self._tick = 0
 
     def look(self, q: Array, around: Surroundings, t: float) -> tuple[float, int, int]:
@@ -118,16 +120,17 @@ class Judge:
                 self._note(d, i, j, t)
 
     def _look_at_itself(self, q: Array) -> None:
-        if len(self._body.pairs) == 0 or self._tick % 2:
+        if self._tick % 2:
             return
-        gaps = self_gaps(self._body, q)
-        least = int(np.argmin(gaps))
-        if gaps[least] >= self._d_min:
-            self.nearest_self = min(self.nearest_self, float(gaps[least]))
+        near = [pair for pair in self._pairs if pair.at_least(q) < self._d_min]
+        if not near:
             return
         self._meshes.place(q)
-        one, other = (self._body.parts[i] for i in self._body.pairs[least])
-        self.nearest_self = min(self.nearest_self, self._meshes.between(one, other))
+        for pair in near:
+            d = self._meshes.between(pair.one, pair.other, NEAR)
+            pair.measured(q, d)
+            if d < self.nearest_self:
+                self.nearest_self, self.two = d, f"{pair.one} and {pair.other}"
 
 
 def arm_scene(seed: int, case: Case, arm: ArmModel, body: Body) -> tuple[Obstacle, ...]:
@@ -153,8 +156,8 @@ class _Start:
     """The arm at home, and where obstacles may be around it."""
 
     def __init__(self, arm: ArmModel, body: Body) -> None:
-        self._A, self._B = placed(body, arm.home)
-        self._radii = body.capsules[:, 7]
+        A, B = placed(body, arm.home)
+        self._A, self._B, self._radii = A[: body.whole], B[: body.whole], body.capsules[: body.whole, 7]
         self._reach = 0.95 * arm.longest_reach
 
     def gap(self, obstacle: Obstacle) -> float:
@@ -234,7 +237,8 @@ def run_arm(seed: int, case: Case, settings: GuardSettings) -> Outcome:
     return Outcome(
         case=case,
         nearest=judge.nearest,
-        nearest_self=judge.nearest_self if len(guard.body.pairs) else None,
+        nearest_self=judge.nearest_self,
+        two=judge.two,
         part=judge.part,
         obstacle=judge.obstacle,
         at=judge.at,

@@ -105,8 +105,8 @@ class Arm:
     def moving_capsules(self, q: Array) -> list[tuple[Array, Array, float]]:
         """Ends and radius of each capsule but the base's, at joint positions q (6,), rad."""
         A, B = placed(self._body, q)
-        rows = zip(A, B, self._body.capsules, strict=True)
-        return [(a, b, float(row[7])) for a, b, row in rows if row[0] >= 0]
+        rows = list(zip(A, B, self._body.capsules, strict=True))
+        return [(a, b, float(row[7])) for a, b, row in rows[: self._body.whole] if row[0] >= 0]
 
 
 def cluttered_task(seed: int, index: int) -> Scenario:

@@ -192,7 +192,9 @@ def _why(outcome: Outcome) -> str:
     case = outcome.case
     if outcome.error:
         return f"- {case.key}: {outcome.error}"
-    itself = "" if outcome.nearest_self is None else f", {1e3 * outcome.nearest_self:.1f} mm to itself"
+    itself = (
+        "" if outcome.nearest_self is None else f", {1e3 * outcome.nearest_self:.1f} mm between {outcome.two}"
+    )
     return (
         f"- {case.key}, {case.mode}, lag {case.lag_error:+.0%}, acceleration {case.acceleration_error:+.0%}: "
         f"{outcome.part} {1e3 * outcome.nearest:.1f} mm to {outcome.obstacle} at {outcome.at:.2f} s{itself}: "

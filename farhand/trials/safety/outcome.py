@@ -43,6 +43,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     case: what was asked for.
     nearest: least true distance to an obstacle (m); 1e6 without any near.
     nearest_self: least true distance of two links (m); None without links.
+    two: these links.
     part, obstacle: of the least distance.
     at: when that was (s).
     reason: why it came too near, where it did.
@@ -55,6 +56,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     case: Case
     nearest: float = 1e6
     nearest_self: float | None = None
+    two: str = ""
     part: str = ""
     obstacle: str = ""
     at: float = 0.0

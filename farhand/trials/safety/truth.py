@@ -1,4 +1,7 @@
-"""True distances of an arm's meshes to obstacles, by Coal with the meshes' hulls: none of it is code of the guard."""
+"""True distances of an arm's meshes to obstacles, by Coal with the meshes' hulls, and to each other, by their
+triangles: none of it is code of the guard."""
+
+from itertools import combinations
 
 import coal
 import numpy as np
@@ -17,7 +20,7 @@ from farhand.robot_side.arm.model import ArmModel
 
 
 class Meshes:
-    """The hulls of an arm's collision meshes.
+    """An arm's collision meshes, and their hulls.
 
     Args:
         arm: names the files.
@@ -27,6 +30,7 @@ class Meshes:
         self._model = pin.buildModelFromXML(arm.urdf)
         self._data = self._model.createData()
         self._geometry = pin.buildGeomFromUrdfString(self._model, arm.urdf, pin.GeometryType.COLLISION)
+        self._triangles = [each.geometry for each in self._geometry.geometryObjects]
         for each in self._geometry.geometryObjects:
             if isinstance(each.geometry, coal.BVHModelBase):
                 each.geometry.buildConvexHull(True, "Qt")
@@ -55,23 +59,84 @@ class Meshes:
             least = min(least, float(result.min_distance))
         return least
 
-    def between(self, one: str, other: str) -> float:
-        """Of two links where the arm was placed (m)."""
+    def between(self, one: str, other: str, below: float = -1e6) -> float:
+        """Of two links where the arm was placed (m); 0, or below it, where they meet.
+
+        Of their hulls where these are `below` (m) apart or farther, else of their triangles.
+        """
+        hulls = [each.geometry for each in self._geometry.geometryObjects]
+        apart = self._between(hulls, one, other)
+        return apart if apart >= below else self._between(self._triangles, one, other)
+
+    def _between(self, solids: list[object], one: str, other: str) -> float:
         least = 1e6
         for i in self._of_link.get(one, ()):
             for j in self._of_link.get(other, ()):
                 a, b = self._placed.oMg[i], self._placed.oMg[j]
                 result = coal.DistanceResult()
                 coal.distance(
-                    self._geometry.geometryObjects[i].geometry,
+                    solids[i],
                     coal.Transform3s(a.rotation, a.translation),
-                    self._geometry.geometryObjects[j].geometry,
+                    solids[j],
                     coal.Transform3s(b.rotation, b.translation),
                     self._request,
                     result,
                 )
                 least = min(least, float(result.min_distance))
         return least
+
+    def pairs(self, home: Array, touching: float) -> list["Pair"]:
+        """All pairs of links that move against each other, but for neighbours nearer than `touching` (m) at home.
+
+        Which of them the arm's own description calls harmless is nothing to this.
+        """
+        self.place(home)
+        found = []
+        for one, other in combinations(self._of_link, 2):
+            first, last = sorted((one, other), key=self._joint)
+            beyond = range(self._joint(first), self._joint(last))
+            if len(beyond) > 1 or (beyond and self.between(one, other, 1e6) >= touching):
+                found.append(Pair(first, last, np.array([self._reach(last, k) for k in beyond]), beyond))
+        return found
+
+    def _joint(self, link: str) -> int:
+        """Number of joints between the base and a link."""
+        return int(self._geometry.geometryObjects[self._of_link[link][0]].parentJoint)
+
+    def _reach(self, link: str, joint: int) -> float:
+        """No point of a link is farther from where joint number `joint` turns (m)."""
+        own = max(self._size(index) for index in self._of_link[link])
+        between = range(joint + 2, self._joint(link) + 1)
+        return own + sum(float(np.linalg.norm(self._model.jointPlacements[k].translation)) for k in between)
+
+    def _size(self, index: int) -> float:
+        each = self._geometry.geometryObjects[index]
+        each.geometry.computeLocalAABB()
+        center = np.asarray(each.placement.act(np.asarray(each.geometry.aabb_center).ravel()))
+        return float(np.linalg.norm(center)) + float(each.geometry.aabb_radius)
+
+
+class Pair:
+    """Two links, and by how much less they can be apart than when they were measured last.
+
+    Args:
+        one, other: the links, the one nearer to the base first.
+        reach: (k,) of the second from each of the joints between the two (m).
+        joints: their indices.
+    """
+
+    def __init__(self, one: str, other: str, reach: Array, joints: range) -> None:
+        self.one, self.other = one, other
+        self._reach, self._joints = reach, slice(joints.start, joints.stop)
+        self._q, self._measured = np.zeros(len(reach)), -1e6
+
+    def at_least(self, q: Array) -> float:
+        """No less than this are they apart at joint positions q (n,), rad (m)."""
+        return self._measured - float(self._reach @ np.abs(q[self._joints] - self._q))
+
+    def measured(self, q: Array, distance: float) -> None:
+        """Note a distance (m) at q."""
+        self._q, self._measured = q[self._joints].copy(), distance
 
 
 def pose(obstacle: Obstacle) -> coal.Transform3s:

@@ -38,7 +38,11 @@ ANSWER = 0.1  # s
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """The arm as the compiled code reads it; arrays are described in robot_side/kernel/guard.py."""
+    """The arm as the compiled code reads it; arrays are described in robot_side/kernel/guard.py.
+
+    Attributes:
+        parts: link of each capsule; those that only stand in for a link come last.
+    """
 
     chain: Array
     capsules: Array
@@ -47,6 +51,11 @@ class Body:
     slack: Array
     parts: tuple[str, ...]
 
+    @property
+    def whole(self) -> int:
+        """How many capsules hold their link: the first ones."""
+        return len(self.capsules) - int(self.capsules[:, moving.STANDS_IN].sum())
+
 
 def body_of(arm: ArmModel, keep: float) -> Body:
     """An arm's body; `keep` (m) is what the guard wants between its links.
@@ -54,11 +63,13 @@ def body_of(arm: ArmModel, keep: float) -> Body:
     Links that are nearer to each other at home, as their capsules are thicker than they, may stay as near.
     """
     chain = pack(arm.R_parent_joint, arm.p_parent_joint, arm.axes, arm.R_last_tool, arm.p_last_tool)
-    capsules = np.zeros((len(arm.capsules), 8))
-    reach = np.zeros((len(arm.capsules), arm.n))
+    shapes = (*arm.capsules, *arm.stand_ins)
+    capsules = np.zeros((len(shapes), 9))
+    capsules[len(arm.capsules) :, moving.STANDS_IN] = 1.0
+    reach = np.zeros((len(shapes), arm.n))
     lengths = np.linalg.norm(arm.p_parent_joint, axis=1)
-    for i, each in enumerate(arm.capsules):
-        capsules[i] = (each.joint, *each.a, *each.b, each.radius)
+    for i, each in enumerate(shapes):
+        capsules[i, : moving.STANDS_IN] = (each.joint, *each.a, *each.b, each.radius)
         out = max(float(np.linalg.norm(each.a)), float(np.linalg.norm(each.b))) + each.radius
         for k in range(each.joint):
             reach[i, k] = out + lengths[k + 1 : each.joint + 1].sum()
@@ -66,8 +77,10 @@ def body_of(arm: ArmModel, keep: float) -> Body:
             axis = arm.axes[each.joint]
             off = [float(np.linalg.norm(np.cross(axis, end))) for end in (each.a, each.b)]
             reach[i, each.joint] = max(off) + each.radius
-    pairs = np.array(arm.self_pairs, dtype=np.int64).reshape(-1, 2)
-    body = Body(chain, capsules, reach, pairs, np.zeros(len(pairs)), tuple(c.part for c in arm.capsules))
+    last = len(arm.capsules) - 1
+    stood_in = tuple((i if i >= 0 else last - i, j if j >= 0 else last - j) for i, j in arm.stand_in_pairs)
+    pairs = np.array(arm.self_pairs + stood_in, dtype=np.int64).reshape(-1, 2)
+    body = Body(chain, capsules, reach, pairs, np.zeros(len(pairs)), tuple(c.part for c in shapes))
     gaps = self_gaps(body, arm.home)
     body.slack[:] = np.maximum(0.0, keep - gaps)
     return body

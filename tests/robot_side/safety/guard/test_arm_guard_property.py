@@ -35,7 +35,7 @@ def _clearance(guard, q, around):
     A, B = placed(guard.body, q)
     return min(
         capsule_row(A[i], B[i], guard.body.capsules[i, 7], row, around.vertices)[0]
-        for i in range(2, len(A))
+        for i in range(2, guard.body.whole)
         for row in around.rows
         if not (i == 2 and row[0] == PLANE)  # its foot stands 5 mm over the table, and cannot leave it
     )
