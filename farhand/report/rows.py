@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from farhand.report.figures import Figures
-from farhand.report.words import UNKNOWN, length, lost, mm, ms, share, spread_mm, spread_ms
+from farhand.report.words import UNKNOWN, length, lost, mm, ms, refusals, share, spread_mm, spread_ms
 
 Row = tuple[str, Callable[[Figures], str]]
 
@@ -53,8 +53,7 @@ def _stops(found: Figures) -> str:
 def _refused(found: Figures) -> str:
     if found.refused is None or "refused" not in found.sources:
         return _times(found, "refused", "")
-    commands = "1 command" if found.refused == 1 else f"{found.refused} commands"
-    return _by(found, "refused", commands if found.refused else "never")
+    return _by(found, "refused", refusals(found.refused, found.refused_by) if found.refused else "never")
 
 
 def _arm(found: Figures) -> str:

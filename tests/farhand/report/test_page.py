@@ -100,10 +100,26 @@ def test_of_a_recording_that_lacks_most_each_figure_has_one_source(recorded):
     assert f"least clearance {near} (limit 50 mm) by the robot" in html
     assert "<td>never</td>" not in html
     assert "<td>held, or commanded zero</td><td>unknown</td>" in html
-    assert "<td>refusals by the robot</td><td>4 commands (robot&#x27;s result)</td>" in html
+    assert "<td>refusals by the robot</td><td>4 commands: stale 4 (robot&#x27;s result)</td>" in html
     assert (figures.whole, figures.targets_reached, figures.recorded) == (False, 3, pytest.approx(0.4))
     assert figures.sources["clearance"] == "robot's result"
     assert not any("nothing is known" in line for line in found.lacks)
+
+
+def test_refusals_that_no_recorded_state_tells_of_are_told_by_reason(folder, recorded):
+    """As of a command that came after the last state that was recorded."""
+    summary = recorded[1].summary
+    refused = {"stale": 1, "old-seq": 2}
+    robot = msgspec.structs.replace(summary.counts.robot, refused=refused)
+    counts = msgspec.structs.replace(summary.counts, robot=robot)
+    write_summary(msgspec.structs.replace(summary, counts=counts), folder)
+    found = read_evidence(folder)
+    assert "refused" not in figures_of(found).happened
+    assert figures_of(found).refused_by == refused
+    html = Page([found]).html()
+    assert "<td>refusals by the robot</td><td>3 commands: old-seq 2, stale 1 (robot" in html
+    assert "The robot refused 3 commands: old-seq 2, stale 1 (old-seq: not newer than" in html
+    assert "no refusal" not in html
 
 
 def test_what_the_emulator_counted_beyond_the_recording_is_said(folder, recorded):
