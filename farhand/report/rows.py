@@ -128,7 +128,7 @@ MARGIN: Sequence[Row] = (
 LINK: Sequence[Row] = (
     ("round trip: median · 99 % · largest", lambda f: spread_ms(f.round_trip)),
     ("oldest command without an answer", lambda f: spread_ms(f.age)),
-    ("age of the newest state", lambda f: spread_ms(f.state_age)),
+    ("since the newest state came", lambda f: spread_ms(f.state_age)),
     ("states that never arrived", lambda f: share(f.loss)),
     ("lost in the emulator, uplink", lambda f: _lost(f, "uplink")),
     ("lost in the emulator, downlink", lambda f: _lost(f, "downlink")),

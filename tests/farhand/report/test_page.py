@@ -12,6 +12,7 @@ from farhand.cli import run
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.simulation import simulate
+from farhand.operator_side.state_loss import COUNTED
 from farhand.report.evidence import Evidence, _compare, read_evidence
 from farhand.report.figures import figures_of
 from farhand.report.page import Page
@@ -120,6 +121,15 @@ def test_refusals_that_no_recorded_state_tells_of_are_told_by_reason(folder, rec
     assert "<td>refusals by the robot</td><td>3 commands: old-seq 2, stale 1 (robot" in html
     assert "The robot refused 3 commands: old-seq 2, stale 1 (old-seq: not newer than" in html
     assert "no refusal" not in html
+
+
+def test_loss_and_age_are_called_what_they_are(folder):
+    """The window of the loss is one of time; what is as old as its way was is not shown."""
+    html = Page([read_evidence(folder)]).html()
+    assert f"states lost in {COUNTED:g} s, up to 1 s ago" in html
+    assert (COUNTED, "of the last 200" in html) == (3.0, False)
+    assert html.count("since the newest state came") == 2  # of the chart and of the table
+    assert "age of the newest state" not in html
 
 
 def test_what_the_emulator_counted_beyond_the_recording_is_said(folder, recorded):
