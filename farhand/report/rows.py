@@ -24,9 +24,11 @@ def _said(did: str, times: int, seconds: float) -> str:
 
 
 def _by(found: Figures, name: str, said: str) -> str:
-    """With whose word it is, where it is not the recording's."""
+    """With whose word it is, where it is not that of a recording that is whole."""
     source = found.sources.get(name)
-    return f"{said} ({source})" if source else said
+    if source:
+        return f"{said} ({source})"
+    return said if found.whole else f"{said} as recorded"
 
 
 def _filter(found: Figures) -> str:
@@ -45,7 +47,8 @@ def _guard(found: Figures) -> str:
 
 def _stops(found: Figures) -> str:
     """As the robot counted: of one that nobody saw for want of states no event tells."""
-    if found.stops is None:
+    known = found.whole or "stops" in found.sources
+    if found.stops is None or not (found.stops or known):
         return UNKNOWN
     return _by(found, "stops", f"{found.stops}" if found.stops else "none")
 

@@ -1,5 +1,6 @@
 """The page: one file that needs nothing, says what is missing, and sets two runs side by side."""
 
+import dataclasses
 import re
 import shutil
 from xml.etree import ElementTree
@@ -121,6 +122,21 @@ def test_refusals_that_no_recorded_state_tells_of_are_told_by_reason(folder, rec
     assert "<td>refusals by the robot</td><td>3 commands: old-seq 2, stale 1 (robot" in html
     assert "The robot refused 3 commands: old-seq 2, stale 1 (old-seq: not newer than" in html
     assert "no refusal" not in html
+
+
+def test_of_a_recording_that_is_not_whole_no_figure_is_told_as_of_all_of_it(recorded):
+    """What was not recorded may have held a stop, and something nearer."""
+    story = read_evidence(recorded[0]).story
+    html = Page([Evidence("x", story)]).html()
+    near = f"<td>clearance of the tool, least</td><td>{story.least * 1e3:.1f} mm"
+    assert f"{near}</td>" in html
+    assert "<td>stops of the robot</td><td>none</td>" in html
+    story = dataclasses.replace(story, whole=False)
+    html = Page([Evidence("x", story)]).html()
+    assert f"{near} as recorded</td>" in html
+    assert "<td>stops of the robot</td><td>unknown</td>" in html
+    story = dataclasses.replace(story, last=msgspec.structs.replace(story.last, stops=2))
+    assert "<td>stops of the robot</td><td>2 as recorded</td>" in Page([Evidence("x", story)]).html()
 
 
 def test_loss_and_age_are_called_what_they_are(folder):
