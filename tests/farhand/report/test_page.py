@@ -17,7 +17,7 @@ from farhand.operator_side.state_loss import COUNTED
 from farhand.report.evidence import Evidence, _compare, read_evidence
 from farhand.report.figures import figures_of
 from farhand.report.page import Page
-from farhand.report.svg import Chart, Line, drawn
+from farhand.report.svg import WIDTH, Chart, Line, drawn
 from farhand.runs.summary import write_summary
 from farhand.testing import report
 from tests.farhand.report.test_story import told as story_of
@@ -137,6 +137,18 @@ def test_of_a_recording_that_is_not_whole_no_figure_is_told_as_of_all_of_it(reco
     assert "<td>stops of the robot</td><td>unknown</td>" in html
     story = dataclasses.replace(story, last=msgspec.structs.replace(story.last, stops=2))
     assert "<td>stops of the robot</td><td>2 as recorded</td>" in Page([Evidence("x", story)]).html()
+
+
+def test_the_figures_of_the_axes_can_be_read_on_a_phone(folder):
+    """Text is in the chart's units; those of a vertical axis that are shown stand apart."""
+    html = Page([read_evidence(folder)]).html()
+    phone = html.split("max-width: 560px")[1].split("@media")[0]
+    size = float(re.search(r"svg\.chart text \{ font-size: (\d+)px", phone).group(1))
+    assert size * (390 - 30) / WIDTH > 10.0
+    assert ".between { display: none; }" in phone
+    for chart in re.findall(r'<svg class="chart" .*?</svg>', html):
+        shown = [float(y) for y in re.findall(r'class="tick" x="40" y="([\d.]+)"', chart)]
+        assert min(-np.diff(shown), default=size) >= 0.9 * size
 
 
 def test_loss_and_age_are_called_what_they_are(folder):
