@@ -11,6 +11,8 @@ WINDOW = 4.0
 """Of the newest state's stamp, what is looked at (s)."""
 SETTLE = 1.0
 """By how much one message may overtake another (s)."""
+COUNTED = WINDOW - SETTLE
+"""What is counted: the states of so long, up to those that may still come (s)."""
 LEAST = 1.0
 """Of which less is no share: one of two would be half of all (s)."""
 JUMP = 100_000

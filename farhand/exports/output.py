@@ -1,5 +1,6 @@
 """The folder that an export makes: whole or not at all, and never over something that is no export."""
 
+import errno
 import importlib.util
 import os
 import shutil
@@ -11,6 +12,7 @@ from farhand.common.errors import InputError
 
 MARKS = ("columns.csv", "metadata.yaml", "*/metadata.yaml", "meta/info.json")
 """What an export's folder holds, by which one knows it."""
+FULL = {errno.ENOSPC, errno.EDQUOT}
 
 
 def need(packages: Sequence[str], form: str) -> None:
@@ -32,6 +34,7 @@ def whole_folder(out: Path, *, force: bool) -> Iterator[Path]:
 
     Raises:
         InputError: it is there already, or cannot be written.
+        OSError: the disk is full on the way; it names `out`.
     """
     _check_free(out, force=force)
     parent = out.resolve().parent
@@ -45,6 +48,10 @@ def whole_folder(out: Path, *, force: bool) -> Iterator[Path]:
     try:
         yield inner
         _take_place(inner, out)
+    except OSError as error:
+        if error.errno in FULL and error.filename is None:
+            error.filename = str(out)  # of a write, which names no file
+        raise
     finally:
         shutil.rmtree(stage, ignore_errors=True)
 

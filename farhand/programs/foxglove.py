@@ -151,6 +151,7 @@ class Live:
         self._server, self._sources, self._again, self._camera = server, sources, again, camera
         self._run: FollowedRun | None = None
         self._heard_ns: int | None = None
+        self._shows = False
         self._trouble = ""
         self._ended = 0
 
@@ -162,13 +163,14 @@ class Live:
             batch = None  # it lingers, and has said all
         self._heard_ns = now_ns if self._heard_ns is None else self._heard_ns
         if batch is not None and batch.ticks:
-            self._heard_ns = now_ns
+            self._heard_ns, self._shows = now_ns, True
         if batch is not None:
             self._take(run, batch)
         if batch is not None and batch.ended:
             self._is_wrong("the operator's program has ended; what is shown is its last")
         elif now_ns - self._heard_ns > SILENT_AFTER_NS and not self._ended:
-            self._is_wrong("nothing is heard of the operator's program; what is shown is old")
+            shown = "what is shown is old" if self._shows else "nothing is shown yet"
+            self._is_wrong(f"nothing is heard of the operator's program; {shown}")
         elif batch is not None and batch.ticks:
             self._is_well()
         if self._again.is_set():

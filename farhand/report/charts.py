@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from farhand.operator_side.state_loss import COUNTED, SETTLE
 from farhand.report.figures import lateness, limit_of, period_of
 from farhand.report.margin import additive, width_of
 from farhand.report.story import Story
@@ -80,16 +81,24 @@ def round_trip(story: Story, marks: str) -> Chart:
     ticks = story.ticks
     lines = [
         Line("oldest command without an answer", "line1", ticks["t"], ticks["age"] * MS, _gap(story)),
-        Line("age of the newest state", "line2", ticks["t"], ticks["state_age"] * MS, _gap(story)),
+        Line("since the newest state came", "line2", ticks["t"], ticks["state_age"] * MS, _gap(story)),
         Line("round trip with computing", "line0", ticks["t"], ticks["rtt"] * MS, _gap(story)),
     ]
     return Chart("ms", lines, marks=marks, name="round trip and ages over time")
 
 
 def loss(story: Story, marks: str) -> Chart:
-    """Of states, over the newest 200."""
+    """Of states, in the operator's window."""
     ticks = story.ticks
-    lines = [Line("states lost, of the last 200", "line0", ticks["t"], ticks["loss"] * 100.0, _gap(story))]
+    lines = [
+        Line(
+            f"states lost in {COUNTED:g} s, up to {SETTLE:g} s ago",
+            "line0",
+            ticks["t"],
+            ticks["loss"] * 100.0,
+            _gap(story),
+        )
+    ]
     return Chart("%", lines, height=120.0, marks=marks, name="loss over time")
 
 

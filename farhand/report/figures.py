@@ -77,6 +77,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
             at once, as when the operator's side commands zero and the robot holds, is counted once.
         guard: times and seconds in which the guard acted, by the robot's own count; None: unknown, or it is off.
         stops, refused: that latched, and commands, as the robot counted or last told.
+        refused_by: these commands by reason, by the robot's result; None: unknown.
         filtered_ticks: ticks in which the filter intervened, by the operator's result.
         round_trip, age, state_age: (s); loss: share of the states between the first and the last that never arrived.
         network: at the emulator, by direction; empty where not recorded.
@@ -130,6 +131,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     guard: tuple[int, float] | None
     stops: int | None
     refused: int | None
+    refused_by: dict[str, int] | None
     filtered_ticks: int | None
     round_trip: Spread | None
     age: Spread | None
@@ -199,6 +201,7 @@ def figures_of(run: Evidence) -> Figures:
         guard=(robot.guard_times, robot.guard_seconds) if robot is not None and robot.guarded else None,
         stops=sources.stops_of(run),
         refused=sources.refused_of(run),
+        refused_by=dict(sorted(robot.refused.items())) if robot is not None else None,
         filtered_ticks=operator.interventions if operator is not None else None,
         round_trip=spread(_changes(ticks["rtt"])),
         age=spread(ticks["age"][seen]),

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from farhand.report.figures import Figures
-from farhand.report.words import UNKNOWN, length, lost, mm, ms, share, spread_mm, spread_ms
+from farhand.report.words import UNKNOWN, length, lost, mm, ms, refusals, share, spread_mm, spread_ms
 
 Row = tuple[str, Callable[[Figures], str]]
 
@@ -24,9 +24,11 @@ def _said(did: str, times: int, seconds: float) -> str:
 
 
 def _by(found: Figures, name: str, said: str) -> str:
-    """With whose word it is, where it is not the recording's."""
+    """With whose word it is, where it is not that of a recording that is whole."""
     source = found.sources.get(name)
-    return f"{said} ({source})" if source else said
+    if source:
+        return f"{said} ({source})"
+    return said if found.whole else f"{said} as recorded"
 
 
 def _filter(found: Figures) -> str:
@@ -45,7 +47,8 @@ def _guard(found: Figures) -> str:
 
 def _stops(found: Figures) -> str:
     """As the robot counted: of one that nobody saw for want of states no event tells."""
-    if found.stops is None:
+    known = found.whole or "stops" in found.sources
+    if found.stops is None or not (found.stops or known):
         return UNKNOWN
     return _by(found, "stops", f"{found.stops}" if found.stops else "none")
 
@@ -53,8 +56,7 @@ def _stops(found: Figures) -> str:
 def _refused(found: Figures) -> str:
     if found.refused is None or "refused" not in found.sources:
         return _times(found, "refused", "")
-    commands = "1 command" if found.refused == 1 else f"{found.refused} commands"
-    return _by(found, "refused", commands if found.refused else "never")
+    return _by(found, "refused", refusals(found.refused, found.refused_by) if found.refused else "never")
 
 
 def _arm(found: Figures) -> str:
@@ -129,7 +131,7 @@ MARGIN: Sequence[Row] = (
 LINK: Sequence[Row] = (
     ("round trip: median · 99 % · largest", lambda f: spread_ms(f.round_trip)),
     ("oldest command without an answer", lambda f: spread_ms(f.age)),
-    ("age of the newest state", lambda f: spread_ms(f.state_age)),
+    ("since the newest state came", lambda f: spread_ms(f.state_age)),
     ("states that never arrived", lambda f: share(f.loss)),
     ("lost in the emulator, uplink", lambda f: _lost(f, "uplink")),
     ("lost in the emulator, downlink", lambda f: _lost(f, "downlink")),

@@ -10,7 +10,7 @@ from farhand.operator_side.result import OperatorCounts
 from farhand.report.evidence import Evidence
 
 ROBOT, OPERATOR = "robot's result", "operator's result"
-OF_ROBOT = ("clearance", "arm_clearance", "guard", "stops", "refused", "robot_loop")
+OF_ROBOT = ("clearance", "arm_clearance", "guard", "stops", "refused", "refused_by", "robot_loop")
 OF_OPERATOR = ("finished", "targets_reached", "targets", "duration", "overruns", "filtered_ticks")
 
 

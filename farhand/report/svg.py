@@ -148,18 +148,21 @@ def legend(chart: Chart) -> str:
 
 def _grid(frame: Frame, unit: str) -> str:
     out = []
-    for value in ticks_of(frame.low, frame.high, 5):
+    for k, value in enumerate(ticks_of(frame.low, frame.high, 5)):
+        between = " between" if k % 2 else ""  # left out where text is large
         y = float(frame.y(np.array([value]))[0])
         out.append(f'<path class="grid" d="M{LEFT:g} {y:.1f}H{WIDTH - RIGHT:g}"/>')
-        out.append(f'<text class="tick" x="{LEFT - 6:g}" y="{y + 4:.1f}" text-anchor="end">{value:g}</text>')
+        out.append(
+            f'<text class="tick{between}" x="{LEFT - 6:g}" y="{y + 4:.1f}" text-anchor="end">{value:g}</text>'
+        )
     bottom = frame.height - BOTTOM
     for value in ticks_of(*frame.span, 8):
         x = float(frame.x(np.array([value]))[0])
         out.append(f'<path class="grid" d="M{x:.1f} {bottom:g}v4"/>')
         out.append(
-            f'<text class="tick" x="{x:.1f}" y="{bottom + 16:g}" text-anchor="middle">{_clock(value)}</text>'
+            f'<text class="tick under" x="{x:.1f}" y="{bottom + 16:g}" text-anchor="middle">{_clock(value)}</text>'
         )
-    out.append(f'<text class="tick" x="{LEFT - 18:g}" y="{bottom + 16:g}" text-anchor="end">s</text>')
+    out.append(f'<text class="tick under" x="{LEFT - 18:g}" y="{bottom + 16:g}" text-anchor="end">s</text>')
     out.append(f'<text class="unit" x="{LEFT - 6:g}" y="9" text-anchor="end">{escape(unit)}</text>')
     out.append(f'<path class="axis" d="M{LEFT:g} {TOP:g}V{bottom:g}H{WIDTH - RIGHT:g}"/>')
     return "".join(out)

@@ -8,8 +8,9 @@ from farhand.report.figures import Figures
 from farhand.report.rows import Row
 from farhand.report.settings import differing
 from farhand.report.stretches import Stretch, stretches
-from farhand.report.words import value
+from farhand.report.words import refusals, value
 from farhand.runs.guard_words import guard_summary
+from farhand.runs.refusals import meaning
 
 MOST_EVENTS = 300
 BEFORE_ALL = ("stop", "refused", "guard")
@@ -74,10 +75,11 @@ def told(found: Figures) -> list[Stretch]:
 
 def events(found: Figures, shown: Sequence[Stretch], prefix: str) -> str:
     """A line for each stretch."""
+    unseen = _unseen(found)
     if not found.events:
         if not found.whole:
-            return "<p>Nothing in what is recorded, which is not all of the run.</p>"
-        return "<p>Nothing: no intervention, no stop, no refusal.</p>"
+            return f"<p>Nothing in what is recorded, which is not all of the run.</p>{unseen}"
+        return unseen or "<p>Nothing: no intervention, no stop, no refusal.</p>"
     rows = []
     for each in shown:
         lasted = f"{each.seconds:.1f} s" if each.seconds >= 0.05 else "–"
@@ -93,4 +95,17 @@ def events(found: Figures, shown: Sequence[Stretch], prefix: str) -> str:
         else ""
     )
     head = "<tr><th>at</th><th>for</th><th></th><th>what</th></tr>"
-    return f'<div class="wide"><table class="events">{head}{"".join(rows)}</table></div>{more}'
+    return f'<div class="wide"><table class="events">{head}{"".join(rows)}</table></div>{more}{unseen}'
+
+
+def _unseen(found: Figures) -> str:
+    """Refusals that the robot counted and of which no state told that was recorded, as of those after the last."""
+    if not found.refused or "refused" in found.happened:
+        return ""
+    said = refusals(found.refused, found.refused_by)
+    meant = "; ".join(f"{reason}: {meaning(reason)}" for reason in found.refused_by or {})
+    why = f" ({escape(meant)})" if meant else ""
+    return (
+        f'<p class="said">The robot refused {escape(said)}{why}, as it counted: no recorded state tells when, as '
+        "where the last came before.</p>"
+    )

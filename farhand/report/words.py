@@ -1,5 +1,6 @@
 """Quantities and verdicts of the report in words."""
 
+from collections.abc import Mapping
 from html import escape
 
 from farhand.report.figures import Figures, Spread, Way
@@ -108,6 +109,13 @@ def lost(way: Way | None) -> str:
     count = sum(way.lost.values())
     why = ", ".join(f"{cause} {n}" for cause, n in way.lost.items())
     return f"{count} of {way.messages} ({why})" if count else f"none of {way.messages}"
+
+
+def refusals(count: int, reasons: Mapping[str, int] | None) -> str:
+    """`4 commands: old-seq 3, stale 1`."""
+    said = "1 command" if count == 1 else f"{count} commands"
+    why = ", ".join(f"{reason} {n}" for reason, n in (reasons or {}).items())
+    return f"{said}: {why}" if why else said
 
 
 def value(node: object) -> str:

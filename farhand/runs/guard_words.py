@@ -20,7 +20,8 @@ def guard_summary(counts: RobotCounts, pairs: list[GuardedPair]) -> str:
 
     Args:
         counts: of the robot.
-        pairs: parts and obstacles, longest first.
+        pairs: parts and obstacles, longest first. Their distances are of the guard's own capsules, exact and while it
+            acted; a simulated arm's clearance is measured on its meshes, and falls short (see ArmWorld.clearance).
     """
     if not counts.ticks:
         return ""
@@ -37,7 +38,8 @@ def guard_summary(counts: RobotCounts, pairs: list[GuardedPair]) -> str:
     ]
     if len(whom) > SHOWN_PAIRS:
         whom[SHOWN_PAIRS:] = [f"and {len(whom) - SHOWN_PAIRS} more"]
-    return f"acted {times}, for {counts.guard_seconds:.1f} s ({how}): {'; '.join(whom)}"
+    told = f"acted {times}, for {counts.guard_seconds:.1f} s ({how})"
+    return f"{told}: {'; '.join(whom)}, as the guard measures" if whom else told
 
 
 def _mm(metres: float) -> str:

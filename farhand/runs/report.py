@@ -157,7 +157,8 @@ def _round_trip(summary: RunSummary) -> str:
         return NO_OPERATOR
     if summary.rtt_mean is None:
         return "never measured"
-    return f"{milliseconds(summary.rtt_mean)} ± {milliseconds(summary.rtt_std)} ms with computing"
+    computing = "computing" if summary.real_time else "modelled computing (--computing-time)"
+    return f"{milliseconds(summary.rtt_mean)} ± {milliseconds(summary.rtt_std)} ms with {computing}"
 
 
 def _arm(summary: RunSummary) -> str:

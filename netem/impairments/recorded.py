@@ -6,11 +6,13 @@ times, as in virtual time, their fates are the very same; where they come at ano
 end the recording begins anew.
 """
 
+import statistics
 import warnings
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterator
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import ClassVar
 
@@ -58,6 +60,12 @@ class Recorded(Word, frozen=True):
         return _Again(recorded_fates(self.path), context)
 
 
+COMPARED = 40
+"""Of so many messages the spacing is compared with the recorded one, once."""
+ALIKE = 1.25
+"""Spacings that differ by no more than this factor are of one rate: real programs are never quite on time."""
+
+
 class Course:
     """What became of the messages of one key in one direction.
 
@@ -69,6 +77,7 @@ class Course:
 
     def __init__(self, arrivals_ns: list[int], fates: list[list[Fate]], length_ns: int) -> None:
         self._arrivals_ns, self._fates, self._length_ns = arrivals_ns, fates, length_ns
+        self.spacing_ns = spacing_of(arrivals_ns)
 
     def at(self, instant_ns: int) -> list[Fate]:
         """Of the message that was nearest to an instant."""
@@ -81,15 +90,24 @@ class Course:
         return self._fates[after]
 
 
+def spacing_of(arrivals_ns: list[int]) -> float:
+    """Median time from one message to the next (ns); 0: of too few to tell."""
+    if len(arrivals_ns) < COMPARED:
+        return 0.0
+    return statistics.median(after - before for before, after in pairwise(arrivals_ns))
+
+
 class Fates:
     """All of a recording.
 
     Args:
         courses: by direction and key.
+        path: of it, as it was asked for.
     """
 
-    def __init__(self, courses: dict[tuple[str, str], Course]) -> None:
-        self._courses = courses
+    def __init__(self, courses: dict[tuple[str, str], Course], path: str = "") -> None:
+        self._courses, self._path = courses, path
+        self._said: set[tuple[str, str]] = set()
 
     def of(self, direction: str, key: str) -> Course | None:
         """Of a key, else of one of the same kind; None: there was none."""
@@ -103,6 +121,23 @@ class Fates:
             if way == direction and kind_of(other) == kind
         )
         return next(alike, None)
+
+    def compare(self, direction: str, key: str, spacing_ns: float) -> None:
+        """Warn, once for a kind, where messages come at another rate than the recorded ones."""
+        course, kind = self.of(direction, key), kind_of(key)
+        recorded_ns = course.spacing_ns if course is not None else 0.0
+        if not recorded_ns or not spacing_ns or (direction, kind) in self._said:
+            return
+        if max(spacing_ns, recorded_ns) > ALIKE * min(spacing_ns, recorded_ns):
+            self._said.add((direction, kind))
+            now_hz, recorded_hz = 1e9 / spacing_ns, 1e9 / recorded_ns
+            warnings.warn(
+                f"recorded:{self._path}: {kind} messages come {now_hz:.3g} times a second, in it {recorded_hz:.3g} "
+                "times: each gets the fate of the one that is nearest in time, and it is not that network message by "
+                "message",
+                RecordingWarning,
+                stacklevel=2,
+            )
 
 
 def recorded_fates(path: str) -> Fates:
@@ -137,7 +172,7 @@ def _read(file: Path, path: str, _changed_ns: int) -> Fates:
         )
     for lack in _lacks(reader, counted, gaps, set(rows)):
         warnings.warn(f"recorded:{path}: {lack}", RecordingWarning, stacklevel=2)
-    return Fates({key: _course(numbered, last_ns) for key, numbered in rows.items()})
+    return Fates({key: _course(numbered, last_ns) for key, numbered in rows.items()}, path)
 
 
 def _lacks(reader: RunReader, counted: int, gaps: int, courses: set[tuple[str, str]]) -> Iterator[str]:
@@ -172,6 +207,7 @@ class _Again(Impairment):
         self._fates, self._context = fates, context
         self._course: Course | None = None
         self._known = False
+        self._first_ns: list[int] = []  # arrivals of the first messages; COMPARED: they were compared
         self.waiting: list[Fate] = []
         self.rest = _Rest(self)
 
@@ -181,8 +217,16 @@ class _Again(Impairment):
             self._course = self._fates.of(self._context.direction, transit.packet.key)
         if self._course is None:
             return
+        self._compare(transit)
         self.waiting = list(self._course.at(transit.arrived_ns - self._context.origin_ns))
         transit.copies += len(self.waiting) - 1
+
+    def _compare(self, transit: Transit) -> None:
+        if len(self._first_ns) < COMPARED:
+            self._first_ns.append(transit.arrived_ns)
+            if len(self._first_ns) == COMPARED:
+                spacing_ns = spacing_of(self._first_ns)
+                self._fates.compare(self._context.direction, transit.packet.key, spacing_ns)
 
 
 class _Rest(Impairment):

@@ -159,8 +159,9 @@ def test_a_failure_on_the_way_leaves_what_was_there(whole, tmp_path, monkeypatch
         raise full
 
     monkeypatch.setattr("farhand.exports.to_tables.run_row", fail)
-    with pytest.raises(OSError, match="No space"):
+    with pytest.raises(OSError, match="No space") as found:
         run_export([whole[0]], "csv", out, force=True)
+    assert found.value.filename == str(out)
     assert (out / "ticks.csv").read_bytes() == before
     assert [each.name for each in tmp_path.iterdir()] == ["out"]
 

@@ -238,6 +238,15 @@ def test_an_operator_that_is_silent_does_not_look_alive(live, capsys):
     assert said.count("is heard again") == 1
 
 
+def test_before_an_operator_was_ever_heard_nothing_is_said_to_be_shown(live):
+    program, given, viewer = live
+    given.answers = False
+    for step in range(6):
+        program.step(step * SILENT_AFTER_NS // 4)
+    viewer.wait(lambda: viewer.status)
+    assert viewer.status["run"] == "nothing is heard of the operator's program; nothing is shown yet"
+
+
 def test_one_that_answers_but_decides_nothing_any_more_is_silent_as_well(live):
     program, given, viewer = live
     given.upto = 10

@@ -1,5 +1,6 @@
 """The page: one file that needs nothing, says what is missing, and sets two runs side by side."""
 
+import dataclasses
 import re
 import shutil
 from xml.etree import ElementTree
@@ -12,10 +13,11 @@ from farhand.cli import run
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.simulation import simulate
+from farhand.operator_side.state_loss import COUNTED
 from farhand.report.evidence import Evidence, _compare, read_evidence
 from farhand.report.figures import figures_of
 from farhand.report.page import Page
-from farhand.report.svg import Chart, Line, drawn
+from farhand.report.svg import WIDTH, Chart, Line, drawn
 from farhand.runs.summary import write_summary
 from farhand.testing import report
 from tests.farhand.report.test_story import told as story_of
@@ -100,10 +102,62 @@ def test_of_a_recording_that_lacks_most_each_figure_has_one_source(recorded):
     assert f"least clearance {near} (limit 50 mm) by the robot" in html
     assert "<td>never</td>" not in html
     assert "<td>held, or commanded zero</td><td>unknown</td>" in html
-    assert "<td>refusals by the robot</td><td>4 commands (robot&#x27;s result)</td>" in html
+    assert "<td>refusals by the robot</td><td>4 commands: stale 4 (robot&#x27;s result)</td>" in html
     assert (figures.whole, figures.targets_reached, figures.recorded) == (False, 3, pytest.approx(0.4))
     assert figures.sources["clearance"] == "robot's result"
     assert not any("nothing is known" in line for line in found.lacks)
+
+
+def test_refusals_that_no_recorded_state_tells_of_are_told_by_reason(folder, recorded):
+    """As of a command that came after the last state that was recorded."""
+    summary = recorded[1].summary
+    refused = {"stale": 1, "old-seq": 2}
+    robot = msgspec.structs.replace(summary.counts.robot, refused=refused)
+    counts = msgspec.structs.replace(summary.counts, robot=robot)
+    write_summary(msgspec.structs.replace(summary, counts=counts), folder)
+    found = read_evidence(folder)
+    assert "refused" not in figures_of(found).happened
+    assert figures_of(found).refused_by == refused
+    html = Page([found]).html()
+    assert "<td>refusals by the robot</td><td>3 commands: old-seq 2, stale 1 (robot" in html
+    assert "The robot refused 3 commands: old-seq 2, stale 1 (old-seq: not newer than" in html
+    assert "no refusal" not in html
+
+
+def test_of_a_recording_that_is_not_whole_no_figure_is_told_as_of_all_of_it(recorded):
+    """What was not recorded may have held a stop, and something nearer."""
+    story = read_evidence(recorded[0]).story
+    html = Page([Evidence("x", story)]).html()
+    near = f"<td>clearance of the tool, least</td><td>{story.least * 1e3:.1f} mm"
+    assert f"{near}</td>" in html
+    assert "<td>stops of the robot</td><td>none</td>" in html
+    story = dataclasses.replace(story, whole=False)
+    html = Page([Evidence("x", story)]).html()
+    assert f"{near} as recorded</td>" in html
+    assert "<td>stops of the robot</td><td>unknown</td>" in html
+    story = dataclasses.replace(story, last=msgspec.structs.replace(story.last, stops=2))
+    assert "<td>stops of the robot</td><td>2 as recorded</td>" in Page([Evidence("x", story)]).html()
+
+
+def test_the_figures_of_the_axes_can_be_read_on_a_phone(folder):
+    """Text is in the chart's units; those of a vertical axis that are shown stand apart."""
+    html = Page([read_evidence(folder)]).html()
+    phone = html.split("max-width: 560px")[1].split("@media")[0]
+    size = float(re.search(r"svg\.chart text \{ font-size: (\d+)px", phone).group(1))
+    assert size * (390 - 30) / WIDTH > 10.0
+    assert ".between { display: none; }" in phone
+    for chart in re.findall(r'<svg class="chart" .*?</svg>', html):
+        shown = [float(y) for y in re.findall(r'class="tick" x="40" y="([\d.]+)"', chart)]
+        assert min(-np.diff(shown), default=size) >= 0.9 * size
+
+
+def test_loss_and_age_are_called_what_they_are(folder):
+    """The window of the loss is one of time; what is as old as its way was is not shown."""
+    html = Page([read_evidence(folder)]).html()
+    assert f"states lost in {COUNTED:g} s, up to 1 s ago" in html
+    assert (COUNTED, "of the last 200" in html) == (3.0, False)
+    assert html.count("since the newest state came") == 2  # of the chart and of the table
+    assert "age of the newest state" not in html
 
 
 def test_what_the_emulator_counted_beyond_the_recording_is_said(folder, recorded):

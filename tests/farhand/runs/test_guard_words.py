@@ -30,10 +30,11 @@ def test_a_run_counts_and_times_it():
     pairs = [GuardedPair(part="forearm", obstacle="post-2", seconds=2.0, distance=0.031)]
     did = counts(guard_times=3, guard_seconds=2.5, guard_deeds={"turned": 0.5, "slowed": 2.0})
     assert guard_summary(did, pairs) == (
-        "acted 3 times, for 2.5 s (slowed 2.0 s, turned 0.5 s): forearm and 'post-2' 2.0 s, 31 mm least"
+        "acted 3 times, for 2.5 s (slowed 2.0 s, turned 0.5 s): forearm and 'post-2' 2.0 s, 31 mm least, "
+        "as the guard measures"
     )
     many = [GuardedPair(part="forearm", obstacle=f"o{k}", seconds=1.0, distance=0.02) for k in range(7)]
-    assert guard_summary(did, many).endswith("'o3' 1.0 s, 20 mm least; and 3 more")
+    assert guard_summary(did, many).endswith("'o3' 1.0 s, 20 mm least; and 3 more, as the guard measures")
 
 
 def test_a_guard_that_is_off_or_idle_or_unknown_is_said_to_be():

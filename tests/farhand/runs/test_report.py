@@ -74,9 +74,10 @@ def test_all_that_is_left_is_named_and_one_is_not_many(interrupted, tmp_path):
 
 
 def test_nothing_lost_is_said_as_well():
-    text = printed(simulate(POINT, time_limit=1.0).summary)
+    text = printed(simulate(POINT, network="none", time_limit=1.0).summary)
     assert "up none of" in text
     assert "always with a plan" in text
+    assert re.search(r"round trip 20\.0 ± 0\.0 ms with modelled computing", text)
     assert "stops 0" in text
 
 

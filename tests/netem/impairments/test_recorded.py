@@ -14,6 +14,7 @@ from farhand.common.recording.reader import Entry, RunReader
 from farhand.laboratory.simulation import simulate
 from farhand.netem.impairments.recorded import Course, _read, recorded_fates
 from farhand.netem.spec import parse_spec
+from farhand.runs.scenario import load_scenario
 
 EVERYTHING = (
     "uniform:20,80 loss:gilbert(10%,30%) duplicate:8% corrupt:3% reorder:drawn outage:every(2s,200ms)"
@@ -57,6 +58,25 @@ def test_another_robot_s_name_and_another_rate_get_the_same_network(tmp_path):
         70_000_000
     }
     assert recorded_fates(str(path)).of("uplink", "farhand/another/camera") is None
+
+
+def test_messages_at_another_rate_than_the_recorded_ones_are_told_once(tmp_path):
+    path = tmp_path / "run.mcap"
+    simulate("point-obstacle", network="constant:70", time_limit=2.0, record_to=path)
+    point = load_scenario("point-obstacle")
+    slower = msgspec.structs.replace(point, robot=msgspec.structs.replace(point.robot, state_rate_hz=25.0))
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        for _ in range(2):
+            simulate("point-obstacle", network=f"recorded:{path}", time_limit=2.0)
+        assert not said
+        for _ in range(2):
+            simulate(slower, network=f"recorded:{path}", time_limit=2.0)
+    (line,) = said
+    assert str(line.message) == (
+        f"recorded:{path}: state messages come 25 times a second, in it 50 times: each gets the fate of the one that "
+        "is nearest in time, and it is not that network message by message"
+    )
 
 
 def fate(at_ms, word="delivered"):
