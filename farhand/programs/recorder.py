@@ -141,12 +141,10 @@ def _conclude(recording: FollowedRun, out: Path, why: str) -> int:
     if file is None:
         say("record", "nothing was recorded: no operator's program answered")
         return 1
-    messages = (
-        f", what became of {recording.next_fate - recording.missing_fates} messages"
-        if recording.next_fate
-        else ""
-    )
+    messages = f", what became of {recording.fates} messages" if recording.fates else ""
     say("record", f"{recording.next - recording.first} ticks{messages} in {out}")
+    if recording.elsewhere:
+        say("record", "no command of this run came by the emulator: what became of its messages is not there")
     if recording.missing_fates:
         say("record", f"of {recording.missing_fates} messages the emulator knows no more what became of them")
     if why:
