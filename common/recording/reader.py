@@ -60,10 +60,7 @@ class RecordedRun:
 
     def flaws(self) -> list[str]:
         """A line for people about each gap."""
-        lines = [
-            f"{gap.ticks} ticks are missing after tick {gap.before}{self._since_start(gap)}: {gap.why}"
-            for gap in self.gaps
-        ]
+        lines = [f"{gap.words}{self._since_start(gap)}: {gap.why}" for gap in self.gaps]
         if self.info.first_tick:
             lines.insert(0, f"recording began with tick {self.info.first_tick} of the run")
         return lines
@@ -201,8 +198,8 @@ def read_in_order(reader: RunReader, others: Collection[str] = ()) -> Iterator[T
     count = left_out = last_ns = 0
     for item in reader.items(lambda topic: topic == TICK or topic in others):
         if isinstance(item, Gap):
+            yield msgspec.structs.replace(item, before=count, after=expected - 1)
             expected += item.ticks
-            yield msgspec.structs.replace(item, before=count)
             continue
         if item.topic != TICK:
             yield item
@@ -213,13 +210,14 @@ def read_in_order(reader: RunReader, others: Collection[str] = ()) -> Iterator[T
             continue  # its number is missing, which is told of
         if tick.number > expected:
             left_out += tick.number - expected
-            yield _left_out(tick.number - expected, last_ns or tick.now_ns, tick.now_ns, count)
+            missing = tick.number - expected
+            yield _left_out(missing, last_ns or tick.now_ns, tick.now_ns, count, expected - 1)
         expected, last_ns = tick.number + 1, tick.now_ns
         count += 1
         yield tick
     lost = reader.promised.get(TICK, 0) - count - left_out
     if lost > 0:  # the last ones: no number after them tells
-        yield _left_out(lost, last_ns, last_ns, count)
+        yield _left_out(lost, last_ns, last_ns, count, expected - 1)
 
 
 def read_run(path: Path) -> RecordedRun:
@@ -235,8 +233,8 @@ def read_run(path: Path) -> RecordedRun:
     return RecordedRun(reader.info, ticks, tuple(gaps), reader.cut_off, reader.size)
 
 
-def _left_out(count: int, first_ns: int, last_ns: int, before: int) -> Gap:
-    return Gap(ticks=count, first_ns=first_ns, last_ns=last_ns, why=DAMAGED, before=before)
+def _left_out(count: int, first_ns: int, last_ns: int, before: int, after: int) -> Gap:
+    return Gap(ticks=count, first_ns=first_ns, last_ns=last_ns, why=DAMAGED, before=before, after=after)
 
 
 def _gap(metadata: dict[str, str]) -> Gap | None:

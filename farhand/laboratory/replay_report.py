@@ -49,9 +49,10 @@ def _verify(result: Replay, console: Console) -> None:
             console.print(f"the {rest} after it cannot be judged: they follow from ticks that are missing")
         return
     same = sum(tick.identical for tick in result.judged)
-    index = result.ticks.index(first)
     fields = ", ".join(differing_fields(first)) or "the command's bytes"
-    console.print(f"{same} of {n} decisions are identical; the first other one is tick {index}: {fields}")
+    console.print(
+        f"{same} of {n} decisions are identical; the first other one is tick {first.number}: {fields}"
+    )
     for name, (then, now) in result.other_versions().items():
         console.print(f"recorded with {name} {then}, this is {now}", style="yellow")
 
