@@ -114,6 +114,11 @@ class Replay:
         return self.ticks[: self.run.whole_ticks]
 
     @property
+    def unjudged(self) -> int:
+        """How many ticks cannot be judged: those after the first gap, and those that are missing for certain."""
+        return len(self.ticks) - len(self.judged) + self.run.missing
+
+    @property
     def identical(self) -> bool:
         """Whether every decision that can be judged is."""
         return all(tick.identical for tick in self.judged)
@@ -263,6 +268,7 @@ def to_json(result: Replay) -> str:
             "ticks": len(result.ticks),
             "judged": len(result.judged),
             "identical": sum(tick.identical for tick in result.judged),
+            "unjudged": result.unjudged,
             "complete": result.run.complete,
             "missing": result.run.missing,
             "flaws": result.run.flaws(),

@@ -13,7 +13,7 @@ from farhand.laboratory.replay import Replay, differing_fields, replay, side_by_
 
 
 def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_json: bool) -> int:
-    """Replay and say what came out; returns 1 when decisions differ though nothing was changed, else 0."""
+    """Replay and say what came out; returns 1 when nothing was changed and decisions differ or cannot be judged."""
     console = page(stderr=as_json, highlight=False)
     check_writable(out, "--out")
     result = replay(path, settings)
@@ -35,7 +35,7 @@ def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_jso
             raise InputError(f"--out {out}: cannot be written: {error.strerror}") from None
     if as_json:
         print(to_json(result), flush=True)
-    return 0 if result.changed or result.identical else 1
+    return 0 if result.changed or (result.identical and not result.unjudged) else 1
 
 
 def _verify(result: Replay, console: Console) -> None:

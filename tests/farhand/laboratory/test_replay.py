@@ -193,7 +193,10 @@ def test_a_recording_with_a_gap_is_judged_up_to_it_and_says_so(recordings, tmp_p
     assert len(result.judged) == gap.before < len(result.ticks)
     assert len(result.ticks) + gap.ticks == len(whole.ticks)
     assert result.identical
-    assert run_cli(["replay", str(path)]) == 0
+    assert result.unjudged == len(whole.ticks) - gap.before
+    assert run_cli(["replay", str(path), "--margin", "paper"]) == 0  # compared, not judged
+    capsys.readouterr()
+    assert run_cli(["replay", str(path)]) == 1
     said = " ".join(capsys.readouterr().out.split())
     assert f"{gap.ticks} ticks are missing after tick {gap.before - 1}" in said
     assert "No space left on device" in said
