@@ -13,13 +13,26 @@ from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema, 
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
 from farhand.common.errors import RunFileError
-from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, unsealed
+from farhand.common.recording.records import (
+    FORMAT,
+    GAP,
+    PROFILE,
+    RUN,
+    TICK,
+    Gap,
+    RunInfo,
+    TickRecord,
+    unsealed,
+)
 
 LARGEST_RECORD = 1 << 28
 _RECORD = struct.Struct("<BQ")
 """Opcode and length, before a record."""
 _MESSAGE = struct.Struct("<HIQQ")
 """Channel, number, time of log and of publishing, before a message's data."""
+HEADER_BYTES = 64
+_MARKS = (len(PROFILE).to_bytes(4, "little") + PROFILE.encode(), FORMAT.rpartition("-")[0].encode())
+"""Profile and library of an MCAP header, as written by RunFile."""
 DAMAGED = "a damaged part of the file was left out"
 
 
@@ -157,8 +170,20 @@ class RunReader:
             raise
         except Exception as error:  # on a cut the reader raises its own, struct.error, EOFError and others
             why = str(error) or why
+        ours = self._says_that_it_is_ours()
         self._file.close()
+        if ours:
+            raise RunFileError(
+                f"run {self._path}: a recording of Farhand whose beginning, which says what run it is, is damaged or "
+                "cut off: it cannot be read"
+            )
         raise RunFileError(f"run {self._path}: not a recording of Farhand: {why}")
+
+    def _says_that_it_is_ours(self) -> bool:
+        """By the header's two words, of which a flipped bit leaves one."""
+        self._file.seek(0)
+        head = self._file.read(HEADER_BYTES)
+        return any(mark in head for mark in _MARKS)
 
     def _sound(self) -> Iterator[McapRecord]:
         """Records, until the end or the cut."""

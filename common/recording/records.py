@@ -11,7 +11,7 @@ from typing import Literal
 
 import msgspec
 
-FORMAT = "farhand-run-3"
+PROFILE, FORMAT = "farhand", "farhand-run-3"
 """2 had one topic and no time of day; 1 held messages of schema 3, whose obstacles were spheres only."""
 TICK = "/farhand/tick"
 RUN, GAP = "run", "gap"

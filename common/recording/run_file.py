@@ -12,7 +12,7 @@ from farhand.common.recording.decoded import TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
 from farhand.common.recording.json_view import JsonView, View, json_channel
 from farhand.common.recording.mcap_file import ChannelSpec, McapFile
-from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, sealed
+from farhand.common.recording.records import FORMAT, GAP, PROFILE, RUN, TICK, Gap, RunInfo, TickRecord, sealed
 from farhand.common.recording.whole_records import RawFile
 
 CHUNK_BYTES = 1 << 19
@@ -90,7 +90,7 @@ class RunFile:
             self._file: Messages = (
                 into(channels)
                 if into is not None
-                else McapFile(_opened(path) if file is None else file, "farhand", FORMAT, channels)
+                else McapFile(_opened(path) if file is None else file, PROFILE, FORMAT, channels)
             )
             self._file.metadata(RUN, sealed(info))
         except OSError as error:
