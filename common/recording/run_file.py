@@ -1,6 +1,8 @@
 """A run's file: ticks as they were and what views say of them; what cannot be written leaves a gap that it tells of."""
 
+import fcntl
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -168,4 +170,8 @@ class RunFile:
 
 
 def _opened(path: Path) -> RawFile:
-    return path.open("wb", buffering=0)
+    """The file, with the kernel's lock by which others know that it is being written, as long as this process lives."""
+    file = path.open("wb", buffering=0)
+    with suppress(OSError):  # of a file system that has none
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    return file
