@@ -65,6 +65,7 @@ class RunFile:
 
     Attributes:
         missing: ticks that are not in the file, so far.
+        missing_fates: messages of whose fates the same is true, for want of disk.
         trouble: why the first of them is not, in words; empty if none is missing.
 
     Raises:
@@ -79,7 +80,7 @@ class RunFile:
         file: RawFile | None = None,
         into: Callable[[tuple[ChannelSpec, ...]], Messages] | None = None,
     ) -> None:
-        self.missing, self.trouble = 0, ""
+        self.missing, self.missing_fates, self.trouble = 0, 0, ""
         self._views = (JsonView(), *views)
         self._epoch_ns = info.epoch_ns
         self._decoder, self._encode = TickDecoder(), msgspec.msgpack.Encoder().encode
@@ -87,6 +88,7 @@ class RunFile:
         channels = (_TICK, *_FATES, *(each for view in self._views for each in view.channels))
         self._numbers = {each.topic: number for number, each in enumerate(channels, 1)}
         self._open: list[int] = []  # the beginnings of the ticks in the open chunk
+        self._open_fates = 0
         self._gap: Gap | None = None  # to be noted before the next chunk
         try:
             self._file: Messages = (
@@ -117,6 +119,7 @@ class RunFile:
             epoch_ns: what must be added to `arrived_ns` for the file's time (ns).
         """
         number = self._numbers[FATE_TOPICS[fate.direction]]
+        self._open_fates += 1
         self._file.add(number, fate.arrived_ns + epoch_ns, self._encode_fate(fate), fate.number)
 
     def frame(self, frame: CameraFrame, time_ns: int) -> None:
@@ -138,8 +141,9 @@ class RunFile:
         try:
             self._write_gap()
             self._file.flush()
+            self._open_fates = 0
         except OSError as error:
-            self._file.discard()
+            self._discard()
             why = f"it cannot be written: {error.strerror or error}"
             self._miss(Gap(ticks=len(opened), first_ns=opened[0], last_ns=opened[-1], why=why))
 
@@ -151,9 +155,18 @@ class RunFile:
         except OSError:
             pass  # the end, which is tried next, says the same
         try:
+            self._file.flush()  # what came after the last tick
+        except OSError:
+            self._discard()
+        try:
             self._file.close()
         except OSError as error:
             self.trouble = self.trouble or f"its end cannot be written: {error.strerror or error}"
+
+    def _discard(self) -> None:
+        self._file.discard()
+        self.missing_fates += self._open_fates
+        self._open_fates = 0
 
     def _put(self, topic: str, stamp_ns: int, data: bytes, sequence: int) -> None:
         self._file.add(self._numbers[topic], stamp_ns + self._epoch_ns, data, sequence)
