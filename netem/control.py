@@ -18,6 +18,7 @@ from farhand.common.timing.slot import Slot
 from farhand.netem.action import Action
 from farhand.netem.endpoints import DEFAULT_ENDPOINT
 from farhand.netem.measure.result import NetemResult
+from farhand.netem.models.sampler import load
 from farhand.netem.netem_node import NetemNode
 
 KEY = "farhand/netem/control"
@@ -123,6 +124,7 @@ class ControlServer:
 
     def __init__(self, endpoint: str, node: NetemNode, slot: Slot) -> None:
         self._node, self._slot = node, slot
+        load()
         self.session = open_session((), [control_endpoint(endpoint)])
         self._desk = Desk("control", self._look, Requests(self.session, KEY))
 

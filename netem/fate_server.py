@@ -48,6 +48,7 @@ class FateServer:
             uplink=str(ways["uplink"].chain.spec),
             downlink=str(ways["downlink"].chain.spec),
             seed=self._seed,
+            sessions_ns=self._node.sessions_ns(),
         )
 
     def _look(self, request: Request | None) -> None:

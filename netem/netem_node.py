@@ -120,6 +120,14 @@ class NetemNode:
                 next_ns = due_ns
         return next_ns
 
+    def sessions_ns(self) -> dict[int, int]:
+        """What must be added to the stamps of an operator's session for the time since the first message (ns)."""
+        return {
+            session: offset_ns - self.origin_ns
+            for trips in tuple(self.round_trips.values())
+            for session, offset_ns in tuple(trips.offsets_ns.items())
+        }
+
     def tell_rest(self) -> None:
         """Tell the logs of what is still on its way, once nothing is stepped any more."""
         for direction in self._both:

@@ -60,6 +60,8 @@ class FateBatch(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     epoch_ns: what must be added to `arrived_ns` for the time of day of the emulator's host (ns); 0: not started.
     uplink, downlink: the networks now, in words.
     seed: of their draws.
+    sessions_ns: of each operator's session whose commands came by, what must be added to its stamps for `arrived_ns`
+        (ns).
     """
 
     session: int
@@ -70,3 +72,4 @@ class FateBatch(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     uplink: str
     downlink: str
     seed: int
+    sessions_ns: dict[int, int]

@@ -13,13 +13,26 @@ from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema, 
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
 from farhand.common.errors import RunFileError
-from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, unsealed
+from farhand.common.recording.records import (
+    FORMAT,
+    GAP,
+    PROFILE,
+    RUN,
+    TICK,
+    Gap,
+    RunInfo,
+    TickRecord,
+    unsealed,
+)
 
 LARGEST_RECORD = 1 << 28
 _RECORD = struct.Struct("<BQ")
 """Opcode and length, before a record."""
 _MESSAGE = struct.Struct("<HIQQ")
 """Channel, number, time of log and of publishing, before a message's data."""
+HEADER_BYTES = 64
+_MARKS = (len(PROFILE).to_bytes(4, "little") + PROFILE.encode(), FORMAT.rpartition("-")[0].encode())
+"""Profile and library of an MCAP header, as written by RunFile."""
 DAMAGED = "a damaged part of the file was left out"
 
 
@@ -60,10 +73,7 @@ class RecordedRun:
 
     def flaws(self) -> list[str]:
         """A line for people about each gap."""
-        lines = [
-            f"{gap.ticks} ticks are missing after tick {gap.before}{self._since_start(gap)}: {gap.why}"
-            for gap in self.gaps
-        ]
+        lines = [f"{gap.words}{self._since_start(gap)}: {gap.why}" for gap in self.gaps]
         if self.info.first_tick:
             lines.insert(0, f"recording began with tick {self.info.first_tick} of the run")
         return lines
@@ -160,8 +170,20 @@ class RunReader:
             raise
         except Exception as error:  # on a cut the reader raises its own, struct.error, EOFError and others
             why = str(error) or why
+        ours = self._says_that_it_is_ours()
         self._file.close()
+        if ours:
+            raise RunFileError(
+                f"run {self._path}: a recording of Farhand whose beginning, which says what run it is, is damaged or "
+                "cut off: it cannot be read"
+            )
         raise RunFileError(f"run {self._path}: not a recording of Farhand: {why}")
+
+    def _says_that_it_is_ours(self) -> bool:
+        """By the header's two words, of which a flipped bit leaves one."""
+        self._file.seek(0)
+        head = self._file.read(HEADER_BYTES)
+        return any(mark in head for mark in _MARKS)
 
     def _sound(self) -> Iterator[McapRecord]:
         """Records, until the end or the cut."""
@@ -201,8 +223,8 @@ def read_in_order(reader: RunReader, others: Collection[str] = ()) -> Iterator[T
     count = left_out = last_ns = 0
     for item in reader.items(lambda topic: topic == TICK or topic in others):
         if isinstance(item, Gap):
+            yield msgspec.structs.replace(item, before=count, after=expected - 1)
             expected += item.ticks
-            yield msgspec.structs.replace(item, before=count)
             continue
         if item.topic != TICK:
             yield item
@@ -213,13 +235,14 @@ def read_in_order(reader: RunReader, others: Collection[str] = ()) -> Iterator[T
             continue  # its number is missing, which is told of
         if tick.number > expected:
             left_out += tick.number - expected
-            yield _left_out(tick.number - expected, last_ns or tick.now_ns, tick.now_ns, count)
+            missing = tick.number - expected
+            yield _left_out(missing, last_ns or tick.now_ns, tick.now_ns, count, expected - 1)
         expected, last_ns = tick.number + 1, tick.now_ns
         count += 1
         yield tick
     lost = reader.promised.get(TICK, 0) - count - left_out
     if lost > 0:  # the last ones: no number after them tells
-        yield _left_out(lost, last_ns, last_ns, count)
+        yield _left_out(lost, last_ns, last_ns, count, expected - 1)
 
 
 def read_run(path: Path) -> RecordedRun:
@@ -235,8 +258,8 @@ def read_run(path: Path) -> RecordedRun:
     return RecordedRun(reader.info, ticks, tuple(gaps), reader.cut_off, reader.size)
 
 
-def _left_out(count: int, first_ns: int, last_ns: int, before: int) -> Gap:
-    return Gap(ticks=count, first_ns=first_ns, last_ns=last_ns, why=DAMAGED, before=before)
+def _left_out(count: int, first_ns: int, last_ns: int, before: int, after: int) -> Gap:
+    return Gap(ticks=count, first_ns=first_ns, last_ns=last_ns, why=DAMAGED, before=before, after=after)
 
 
 def _gap(metadata: dict[str, str]) -> Gap | None:

@@ -11,7 +11,7 @@ from typing import Literal
 
 import msgspec
 
-FORMAT = "farhand-run-3"
+PROFILE, FORMAT = "farhand", "farhand-run-3"
 """2 had one topic and no time of day; 1 held messages of schema 3, whose obstacles were spheres only."""
 TICK = "/farhand/tick"
 RUN, GAP = "run", "gap"
@@ -105,6 +105,7 @@ class Gap(msgspec.Struct, frozen=True, kw_only=True):
         first_ns, last_ns: beginnings of the first and the last of them, operator's clock.
         why: in words.
         before: number of ticks in the recording that come before the gap; filled in by the reader.
+    after: the tick's own number after which they are missing; -1: the first ones are. As `before`.
     """
 
     ticks: int
@@ -112,6 +113,13 @@ class Gap(msgspec.Struct, frozen=True, kw_only=True):
     last_ns: int
     why: str
     before: int = 0
+    after: int = -1
+
+    @property
+    def words(self) -> str:
+        """How many are missing, and where, by the numbers that the ticks have."""
+        where = f"after tick {self.after}" if self.after >= 0 else "at the beginning"
+        return f"{self.ticks} ticks are missing {where}"
 
     def and_then(self, later: "Gap") -> "Gap":
         """This gap and one that follows on it, as one; why is said of the first."""

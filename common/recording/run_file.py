@@ -1,6 +1,8 @@
 """A run's file: ticks as they were and what views say of them; what cannot be written leaves a gap that it tells of."""
 
+import fcntl
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -12,7 +14,7 @@ from farhand.common.recording.decoded import TickDecoder
 from farhand.common.recording.fates import FATE_TOPICS, Fate
 from farhand.common.recording.json_view import JsonView, View, json_channel
 from farhand.common.recording.mcap_file import ChannelSpec, McapFile
-from farhand.common.recording.records import FORMAT, GAP, RUN, TICK, Gap, RunInfo, TickRecord, sealed
+from farhand.common.recording.records import FORMAT, GAP, PROFILE, RUN, TICK, Gap, RunInfo, TickRecord, sealed
 from farhand.common.recording.whole_records import RawFile
 
 CHUNK_BYTES = 1 << 19
@@ -63,6 +65,7 @@ class RunFile:
 
     Attributes:
         missing: ticks that are not in the file, so far.
+        missing_fates: messages of whose fates the same is true, for want of disk.
         trouble: why the first of them is not, in words; empty if none is missing.
 
     Raises:
@@ -77,7 +80,7 @@ class RunFile:
         file: RawFile | None = None,
         into: Callable[[tuple[ChannelSpec, ...]], Messages] | None = None,
     ) -> None:
-        self.missing, self.trouble = 0, ""
+        self.missing, self.missing_fates, self.trouble = 0, 0, ""
         self._views = (JsonView(), *views)
         self._epoch_ns = info.epoch_ns
         self._decoder, self._encode = TickDecoder(), msgspec.msgpack.Encoder().encode
@@ -85,12 +88,13 @@ class RunFile:
         channels = (_TICK, *_FATES, *(each for view in self._views for each in view.channels))
         self._numbers = {each.topic: number for number, each in enumerate(channels, 1)}
         self._open: list[int] = []  # the beginnings of the ticks in the open chunk
+        self._open_fates = 0
         self._gap: Gap | None = None  # to be noted before the next chunk
         try:
             self._file: Messages = (
                 into(channels)
                 if into is not None
-                else McapFile(_opened(path) if file is None else file, "farhand", FORMAT, channels)
+                else McapFile(_opened(path) if file is None else file, PROFILE, FORMAT, channels)
             )
             self._file.metadata(RUN, sealed(info))
         except OSError as error:
@@ -115,6 +119,7 @@ class RunFile:
             epoch_ns: what must be added to `arrived_ns` for the file's time (ns).
         """
         number = self._numbers[FATE_TOPICS[fate.direction]]
+        self._open_fates += 1
         self._file.add(number, fate.arrived_ns + epoch_ns, self._encode_fate(fate), fate.number)
 
     def frame(self, frame: CameraFrame, time_ns: int) -> None:
@@ -136,8 +141,9 @@ class RunFile:
         try:
             self._write_gap()
             self._file.flush()
+            self._open_fates = 0
         except OSError as error:
-            self._file.discard()
+            self._discard()
             why = f"it cannot be written: {error.strerror or error}"
             self._miss(Gap(ticks=len(opened), first_ns=opened[0], last_ns=opened[-1], why=why))
 
@@ -149,9 +155,18 @@ class RunFile:
         except OSError:
             pass  # the end, which is tried next, says the same
         try:
+            self._file.flush()  # what came after the last tick
+        except OSError:
+            self._discard()
+        try:
             self._file.close()
         except OSError as error:
             self.trouble = self.trouble or f"its end cannot be written: {error.strerror or error}"
+
+    def _discard(self) -> None:
+        self._file.discard()
+        self.missing_fates += self._open_fates
+        self._open_fates = 0
 
     def _put(self, topic: str, stamp_ns: int, data: bytes, sequence: int) -> None:
         self._file.add(self._numbers[topic], stamp_ns + self._epoch_ns, data, sequence)
@@ -168,4 +183,8 @@ class RunFile:
 
 
 def _opened(path: Path) -> RawFile:
-    return path.open("wb", buffering=0)
+    """The file, with the kernel's lock by which others know that it is being written, as long as this process lives."""
+    file = path.open("wb", buffering=0)
+    with suppress(OSError):  # of a file system that has none
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    return file

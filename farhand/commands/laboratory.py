@@ -121,7 +121,8 @@ def replay(
     """Feed a recorded run through the controller again: the decisions must be identical to the byte.
 
     With --margin, --predictor, --solver or --set: what another controller would have decided on the same
-    input. Exit code 0: identical, or compared. 1: not identical. 2: bad input.
+    input. Exit code 0: identical, or compared. 1: not identical, or ticks cannot be judged
+    because others are missing. 2: bad input.
     """
     from farhand.laboratory.replay_report import run_replay
 

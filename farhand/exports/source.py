@@ -105,8 +105,9 @@ class Source:
         yield tick
 
     def _gap(self, gap: Gap) -> Gap:
+        gap = msgspec.structs.replace(gap, after=self._expected - 1)
         self._expected += gap.ticks
-        self.notes.append(f"{gap.ticks} ticks are missing after tick {self._expected - gap.ticks}: {gap.why}")
+        self.notes.append(f"{gap.words}: {gap.why}")
         return gap
 
     def _conclude(self, *, fates: bool) -> None:

@@ -12,7 +12,7 @@ import msgspec
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Message, Metadata, Schema, Statistics
-from mcap.stream_reader import breakup_chunk
+from mcap.stream_reader import breakup_chunk, get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
 from farhand.common.errors import RunFileError
@@ -65,6 +65,7 @@ class RecordedTopics:
         self.cut_off = True
         self.damaged = self.missing = 0
         self._broken: set[int] = set()
+        self._checked = 0
         self._numbers: dict[int, int] = {}
         self.specs: tuple[ChannelSpec, ...] = ()
         self._file = path.open("rb")
@@ -152,8 +153,24 @@ class RecordedTopics:
         if self.missing:
             lines.append(f"{self.missing} ticks are missing: they could not be written")
         if self.damaged:
-            lines.append(f"{self.damaged} damaged parts of the file are left out, so far")
+            so_far = "" if self.checked else ", so far"
+            lines.append(f"{self.damaged} damaged parts of the file are left out{so_far}")
         return lines
+
+    @property
+    def checked(self) -> bool:
+        """Whether the whole file was looked through for damage."""
+        return self._checked >= len(self.chunks)
+
+    def check(self, most: int) -> None:
+        """Look at further chunks for damage, before they are played: at so many."""
+        end = min(self._checked + most, len(self.chunks))
+        for chunk in range(self._checked, end):
+            try:
+                get_chunk_data_stream(self._chunk(chunk), validate_crc=True)
+            except Exception:  # as in _read
+                self._leave_out(chunk)
+        self._checked = end
 
     def number_of(self, topic: str) -> int | None:
         """A channel's number from 1 on; None: there is none."""
@@ -168,12 +185,10 @@ class RecordedTopics:
         return frozenset(self._numbers[each] for each in self.chunks[chunk].channels if each in self._numbers)
 
     def _read(self, chunk: int) -> list[Played]:
-        at = self.chunks[chunk]
         try:
-            records = breakup_chunk(Chunk.read(self._stream(at.start, at.size)), validate_crc=True)
+            records = breakup_chunk(self._chunk(chunk), validate_crc=True)
         except Exception:  # of the decompression, the checksum, or what the bytes then say
-            self.damaged += chunk not in self._broken
-            self._broken.add(chunk)
+            self._leave_out(chunk)
             return []
         found = [
             (record.log_time, self._numbers[record.channel_id], record.data)
@@ -181,6 +196,15 @@ class RecordedTopics:
             if isinstance(record, Message) and record.channel_id in self._numbers
         ]
         return sorted(found, key=lambda played: played[0])
+
+    def _chunk(self, number: int) -> Chunk:
+        at = self.chunks[number]
+        chunk: Chunk = Chunk.read(self._stream(at.start, at.size))
+        return chunk
+
+    def _leave_out(self, chunk: int) -> None:
+        self.damaged += chunk not in self._broken
+        self._broken.add(chunk)
 
     def _records(self) -> Iterator[tuple[int, int, int]]:
         """Opcode, beginning of the content, its size, of each record that is there whole."""

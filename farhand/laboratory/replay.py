@@ -74,11 +74,13 @@ class RecordedSteering(SteeringDevice):
 @dataclass(frozen=True)
 class ReplayedTick:
     """Attributes:
+    number: counts the run's ticks from 0.
     now_ns: beginning of the tick, operator's clock.
     recorded, decided: the report of then and of now.
     identical: command and report are the same to the byte.
     """
 
+    number: int
     now_ns: int
     recorded: ControlReport
     decided: ControlReport
@@ -110,6 +112,11 @@ class Replay:
         """The ticks before the first gap of the recording: what was decided after it follows from ticks that
         are not there."""
         return self.ticks[: self.run.whole_ticks]
+
+    @property
+    def unjudged(self) -> int:
+        """How many ticks cannot be judged: those after the first gap, and those that are missing for certain."""
+        return len(self.ticks) - len(self.judged) + self.run.missing
 
     @property
     def identical(self) -> bool:
@@ -159,10 +166,10 @@ def replay(
         steering,
     )
     ticks = []
-    for number, record in enumerate(run.ticks):
+    for record in run.ticks:
         recorded = reports.decode(record.report)
         if recorded is None:
-            raise RunFileError(f"run {path}: tick {number}: unreadable report: {reports.last_refusal}")
+            raise RunFileError(f"run {path}: tick {record.number}: unreadable report: {reports.last_refusal}")
         readings[:] = [recorded.solve_time, 0.0]  # the stopwatch reads as it did then
         steering.report = recorded
         command = None if record.command is None else commands.decode(record.command)
@@ -173,9 +180,11 @@ def replay(
         link.waiting, link.sent = _packets(record), None
         node.step(record.now_ns)
         if node.report is None:
-            raise RunFileError(f"run {path}: tick {number}: its instants are not those of a control loop")
+            raise RunFileError(
+                f"run {path}: tick {record.number}: its instants are not those of a control loop"
+            )
         same = link.sent == record.command and encode(node.report) == record.report
-        ticks.append(ReplayedTick(record.now_ns, recorded, node.report, same))
+        ticks.append(ReplayedTick(record.number, record.now_ns, recorded, node.report, same))
         if changed and command is not None:
             node.correct(command)
     return Replay(run, scenario, changed, ticks)
@@ -259,6 +268,7 @@ def to_json(result: Replay) -> str:
             "ticks": len(result.ticks),
             "judged": len(result.judged),
             "identical": sum(tick.identical for tick in result.judged),
+            "unjudged": result.unjudged,
             "complete": result.run.complete,
             "missing": result.run.missing,
             "flaws": result.run.flaws(),

@@ -13,7 +13,7 @@ from farhand.laboratory.replay import Replay, differing_fields, replay, side_by_
 
 
 def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_json: bool) -> int:
-    """Replay and say what came out; returns 1 when decisions differ though nothing was changed, else 0."""
+    """Replay and say what came out; returns 1 when nothing was changed and decisions differ or cannot be judged."""
     console = page(stderr=as_json, highlight=False)
     check_writable(out, "--out")
     result = replay(path, settings)
@@ -35,7 +35,7 @@ def run_replay(path: Path, settings: dict[str, object], out: Path | None, as_jso
             raise InputError(f"--out {out}: cannot be written: {error.strerror}") from None
     if as_json:
         print(to_json(result), flush=True)
-    return 0 if result.changed or result.identical else 1
+    return 0 if result.changed or (result.identical and not result.unjudged) else 1
 
 
 def _verify(result: Replay, console: Console) -> None:
@@ -49,9 +49,10 @@ def _verify(result: Replay, console: Console) -> None:
             console.print(f"the {rest} after it cannot be judged: they follow from ticks that are missing")
         return
     same = sum(tick.identical for tick in result.judged)
-    index = result.ticks.index(first)
     fields = ", ".join(differing_fields(first)) or "the command's bytes"
-    console.print(f"{same} of {n} decisions are identical; the first other one is tick {index}: {fields}")
+    console.print(
+        f"{same} of {n} decisions are identical; the first other one is tick {first.number}: {fields}"
+    )
     for name, (then, now) in result.other_versions().items():
         console.print(f"recorded with {name} {then}, this is {now}", style="yellow")
 

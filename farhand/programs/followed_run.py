@@ -22,7 +22,9 @@ class FollowedRun:
 
     Attributes:
         next, next_fate: numbers of the first tick and fate that are not in it.
+        fates: how many are in it.
         missing_fates: that an emulator kept no more.
+        elsewhere: the emulator answers, and no command of this run came by it.
         first: number of the first tick that is.
         written: number after the last tick that was written; None where there is none, or the last try failed.
         done: nothing more will come.
@@ -35,7 +37,10 @@ class FollowedRun:
         self.written: int | None = None
         self.done = self.whole = False
         self.file: RunFile | None = None
-        self.next_fate = self.missing_fates = 0
+        self.next_fate = self.fates = self.missing_fates = 0
+        self.elsewhere = False
+        self._first_ns: int | None = None  # of the first tick, by the operator's clock
+        self._from_ns: int | None = None  # the same by the emulator's
         self._begin_file = begin
         self._session = self._netem = 0
         self._last_ns = 0
@@ -59,6 +64,8 @@ class FollowedRun:
                         why=TOO_LATE,
                     )
                 )
+            if self._first_ns is None:
+                self._first_ns = tick.now_ns
             if tick.number >= self.next:
                 self.file.tick(tick)
                 self.next, self._last_ns = tick.number + 1, tick.now_ns
@@ -81,18 +88,31 @@ class FollowedRun:
             fates = sources.fates(self.next_fate)
             if fates is None:
                 return
-            self.take_fates(fates)
-            more = fates.more
+            more = self.take_fates(fates) and fates.more
 
-    def take_fates(self, batch: FateBatch) -> None:
-        """Take what became of messages; what came before the run's first tick waits for the file."""
+    def take_fates(self, batch: FateBatch) -> bool:
+        """Take what became of messages since the run's first tick; returns False where it is not to be had yet.
+
+        An emulator outlives runs: what it knows of others, and of the idle time between, is left out. The two clocks
+        are held together by the first command of the operator's session that came by.
+        """
         if self.file is None or batch.session != (self._netem or batch.session):
-            return
+            return False
+        if self._from_ns is None:
+            offset_ns = batch.sessions_ns.get(self._session)
+            self.elsewhere = offset_ns is None
+            if offset_ns is None or self._first_ns is None:
+                return False
+            self._from_ns = self._first_ns + offset_ns
         self._netem = batch.session
-        for fate in batch.fates:
+        of_run = [fate for fate in batch.fates if fate.arrived_ns >= self._from_ns]
+        for fate in of_run:
             self.file.fate(fate, batch.epoch_ns)
-        self.missing_fates += batch.first - self.next_fate
+        if self.fates or len(of_run) == len(batch.fates):  # else what is not kept was before the run
+            self.missing_fates += batch.first - self.next_fate
+        self.fates += len(of_run)
         self.next_fate = batch.first + len(batch.fates)
+        return True
 
     def close(self) -> None:
         """Finish the file."""

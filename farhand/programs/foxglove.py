@@ -31,6 +31,8 @@ ASK_EVERY = 0.05
 FRAMES_HZ = 20.0
 STEP, REST = 0.02, 0.2
 """s between two steps of a playback that plays, and that stands."""
+CHECKED_AT_ONCE = 20
+"""Chunks, of half a second each: some 20 ms."""
 SILENT_AFTER_NS = to_ns(2.0)
 
 
@@ -83,16 +85,10 @@ def _play(
     closing.callback(server.close)
     channels.append(server.channels(topics.specs))
     say("foxglove", f"{opened_by(server, SHIPPED)}; Ctrl-C ends it")
-    told_ns, lacks = -1, list[str]()
+    told_ns, lacks = -1, Lacks(str(run), topics, server)
     while not stop_event.is_set():
         asked = playback.asked.is_set()
-        if topics.lacks != lacks:
-            for line in topics.lacks:
-                if line not in lacks:
-                    say("foxglove", f"{run}: {line}")
-            lacks = topics.lacks
-        if asked and lacks:  # somebody may look who was not there before
-            server.trouble("; ".join(lacks))
+        lacks.tell(asked=asked)
         playback.asked.clear()
         changed = playback.go_on(clock.now_ns())
         if asked or playback.shown_ns != told_ns:
@@ -100,7 +96,36 @@ def _play(
             server.time(told_ns)
         if changed is not None:
             server.state(changed)
-        _pause(stop_event, playback)
+        if topics.checked:
+            _pause(stop_event, playback)
+
+
+class Lacks:
+    """Tells what is missing in a recording, in the terminal and to viewers, from the start on.
+
+    A long file is looked through a part at a time, so that what is asked meanwhile is answered.
+
+    Args:
+        run: how the recording is called.
+        topics: of it.
+        server: for viewers.
+    """
+
+    def __init__(self, run: str, topics: RecordedTopics, server: Server) -> None:
+        self._run, self._topics, self._server = run, topics, server
+        self._told: list[str] = []
+
+    def tell(self, *, asked: bool) -> None:
+        """Look on, and tell what is new; all of it where somebody asked, who may not have been there before."""
+        topics = self._topics
+        topics.check(CHECKED_AT_ONCE)
+        lacks = topics.lacks if topics.checked else self._told
+        for line in lacks:
+            if line not in self._told:
+                say("foxglove", f"{self._run}: {line}")
+        if lacks and (asked or lacks != self._told):
+            self._server.trouble("; ".join(lacks))
+        self._told = lacks
 
 
 def _pause(stop_event: threading.Event, playback: Playback) -> None:

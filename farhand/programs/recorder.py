@@ -141,16 +141,17 @@ def _conclude(recording: FollowedRun, out: Path, why: str) -> int:
     if file is None:
         say("record", "nothing was recorded: no operator's program answered")
         return 1
-    messages = (
-        f", what became of {recording.next_fate - recording.missing_fates} messages"
-        if recording.next_fate
-        else ""
-    )
-    say("record", f"{recording.next - recording.first} ticks{messages} in {out}")
+    fates = recording.fates - file.missing_fates
+    messages = f", what became of {fates} messages" if recording.fates else ""
+    say("record", f"{recording.next - recording.first - file.missing} ticks{messages} in {out}")
+    if recording.elsewhere:
+        say("record", "no command of this run came by the emulator: what became of its messages is not there")
     if recording.missing_fates:
         say("record", f"of {recording.missing_fates} messages the emulator knows no more what became of them")
     if why:
         say("record", f"{why}: what was done after tick {recording.next - 1}, if anything was, is not there")
+    if file.missing_fates:
+        say("record", f"{out}: what became of {file.missing_fates} messages is missing: it cannot be written")
     if file.trouble:
         say("record", f"{out}: {file.missing} ticks are missing: {file.trouble}")
     return 1 if file.missing or why else 0

@@ -22,7 +22,7 @@ from farhand.runs.files import RECORDING, RESULTS, RUN_FILES, SUMMARY
 from farhand.runs.summary import read_summary
 
 RECENT = 60.0
-"""A recording without an end that was changed in the last minute is being written to (s)."""
+"""A recording without an end that was changed in the last minute may be being written to (s)."""
 FIRST_CHUNKS = 8
 DAY = 86_400.0
 SUFFIX = ".mcap"
@@ -39,7 +39,8 @@ class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
     length: from the first motion command to the end, else, where no program told that, of the recording (s); None:
         unknown.
     size: of its files (bytes).
-    writing: a program is writing there now.
+    writing: a program is writing there now, or may be.
+    writer_known: it is, for certain; where not, what is there may have been cut off just now.
     note: what else is to be said of it.
     """
 
@@ -52,13 +53,14 @@ class ListedRun(msgspec.Struct, frozen=True, kw_only=True):
     length: float | None = None
     size: int = 0
     writing: bool = False
+    writer_known: bool = False
     note: str = ""
 
     @property
     def result(self) -> str:
         """In words."""
         if self.writing:
-            return "is being written"
+            return "is being written" if self.writer_known else "cut off, or being written"
         if self.safe is None and self.finished is None:
             return "unknown"
         safe = "safety unknown" if self.safe is None else "safe" if self.safe else "NOT SAFE"
@@ -101,10 +103,15 @@ def is_run(path: Path) -> bool:
 
 
 def is_written(path: Path) -> bool:
-    """Whether a program is writing to a run now."""
+    """Whether a program is writing to a run now, or may be."""
+    return has_writer(path) or _grows(path / RECORDING if path.is_dir() else path)
+
+
+def has_writer(path: Path) -> bool:
+    """Whether a program is writing to a run now, by the lock that it has."""
     if not path.is_dir():
-        return _grows(path)
-    return _is_held(path) or _grows(path / RECORDING)
+        return _is_held(path)
+    return _is_held(path) or ((path / RECORDING).is_file() and _is_held(path / RECORDING))
 
 
 def files_of(path: Path) -> Iterator[Path]:
@@ -147,6 +154,7 @@ def _of_folder(folder: Path) -> ListedRun:
         length=length,
         size=sum(each.stat().st_size for each in files),
         writing=writing,
+        writer_known=writing and has_writer(folder),
         note="; ".join(notes),
     )
 
@@ -155,7 +163,14 @@ def _of_file(path: Path) -> ListedRun:
     """A recording by its beginning and its end alone."""
     stat = path.stat()
     named = _named(path.parent if path.name == RECORDING else path, stat.st_mtime)
-    empty = ListedRun(path=str(path), when=named, size=stat.st_size, writing=_grows(path))
+    known = has_writer(path)
+    empty = ListedRun(
+        path=str(path),
+        when=named,
+        size=stat.st_size,
+        writing=known or _grows(path),
+        writer_known=known,
+    )
     try:
         reader = RunReader(path)
     except RunFileError as error:
@@ -240,9 +255,12 @@ def _grows(recording: Path) -> bool:
         return False
 
 
-def _is_held(folder: Path) -> bool:
-    """Whether a program has the folder for itself (see hold_folder)."""
-    opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+def _is_held(path: Path) -> bool:
+    """Whether a program has the folder for itself (see hold_folder), or the recording (see RunFile)."""
+    try:
+        opened = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    except OSError:
+        return False
     try:
         fcntl.flock(opened, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:

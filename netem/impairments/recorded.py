@@ -1,7 +1,7 @@
 """`recorded:RUN`: what became of every message in a recorded run, again.
 
-A message gets the fate of the one that was recorded nearest to the same time since the first message, of the same key
-or else of the same kind: the same losses, copies, flipped bits and delays. Where the same messages come at the same
+A message gets the fate of the one that was recorded nearest to the same time since the run's first message, of the same
+key or else of the same kind: the same losses, copies, flipped bits and delays. Where the same messages come at the same
 times, as in virtual time, their fates are the very same; where they come at another rate, the network is. After its
 end the recording begins anew.
 """
@@ -153,7 +153,7 @@ def _read(file: Path, path: str, _changed_ns: int) -> Fates:
     counted = gaps = 0
     rows: dict[tuple[str, str], dict[int, list[Fate]]] = defaultdict(dict)
     topics = set(FATE_TOPICS.values())
-    last_ns = 0
+    first_ns, last_ns = None, 0
     try:
         for item in reader.items(lambda topic: topic in topics):
             if isinstance(item, Gap):
@@ -162,17 +162,18 @@ def _read(file: Path, path: str, _changed_ns: int) -> Fates:
                 fate = decode(item.data)
                 counted += 1
                 rows[fate.direction, fate.key].setdefault(fate.number, []).append(fate)
+                first_ns = fate.arrived_ns if first_ns is None else min(first_ns, fate.arrived_ns)
                 last_ns = max(last_ns, fate.arrived_ns)
     except (msgspec.MsgspecError, ValueError) as error:
         raise RunFileError(f"recorded:{path}: the network in it cannot be read: {error}") from None
-    if not rows:
+    if first_ns is None:
         raise RunFileError(
             f"recorded:{path}: holds no network; it is recorded by `farhand record --netem ENDPOINT`, the demo and "
             "`farhand simulate`"
         )
     for lack in _lacks(reader, counted, gaps, set(rows)):
         warnings.warn(f"recorded:{path}: {lack}", RecordingWarning, stacklevel=2)
-    return Fates({key: _course(numbered, last_ns) for key, numbered in rows.items()}, path)
+    return Fates({key: _course(numbered, first_ns, last_ns) for key, numbered in rows.items()}, path)
 
 
 def _lacks(reader: RunReader, counted: int, gaps: int, courses: set[tuple[str, str]]) -> Iterator[str]:
@@ -190,13 +191,16 @@ def _lacks(reader: RunReader, counted: int, gaps: int, courses: set[tuple[str, s
             yield f"it holds no message of the {direction}, which is not impaired then"
 
 
-def _course(numbered: dict[int, list[Fate]], last_ns: int) -> Course:
-    """Messages whose number is missing were on the way when the recording ended, and are left out."""
+def _course(numbered: dict[int, list[Fate]], first_ns: int, last_ns: int) -> Course:
+    """From the first message on: an emulator may have gone on for long before the run.
+
+    Messages whose number is missing were on the way when the recording ended, and are left out.
+    """
     ordered = [sorted(fates, key=lambda fate: fate.copy) for _, fates in sorted(numbered.items())]
     ordered.sort(key=lambda fates: fates[0].arrived_ns)
-    arrivals = [fates[0].arrived_ns for fates in ordered]
+    arrivals = [fates[0].arrived_ns - first_ns for fates in ordered]
     spacing = (arrivals[-1] - arrivals[0]) // (len(arrivals) - 1) if len(arrivals) > 1 else 0
-    return Course(arrivals, ordered, max(1, last_ns + spacing))
+    return Course(arrivals, ordered, max(1, last_ns - first_ns + spacing))
 
 
 class _Again(Impairment):

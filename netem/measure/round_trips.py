@@ -9,18 +9,20 @@ from collections import OrderedDict
 
 import msgspec
 
-from farhand.common.messages.base import Echo
+from farhand.common.messages.base import Echo, Stamp
 from farhand.netem.measure.histogram import Histogram
 
 KEPT = 4096
 MAX_ROBOTS = 256
+MAX_SESSIONS = 256
 
 
 class _Stamps(msgspec.Struct):
     """The few fields of any message that matter here; all others are passed over."""
 
-    session: int
-    seq: int
+    session: Stamp
+    seq: Stamp
+    t_sent_ns: Stamp = 0
     echo: Echo | None = None
 
 
@@ -54,11 +56,14 @@ class RoundTrips:
     Attributes:
         rtt: of the network between command and state.
         bypassed: states that echo a command which the emulator had not let through.
+        offsets_ns: of each operator's session, the newest of them: the emulator's clock at its first command less the
+            stamp on it (ns).
     """
 
     def __init__(self) -> None:
         self.rtt = Histogram()
         self.bypassed = 0
+        self.offsets_ns: OrderedDict[int, int] = OrderedDict()
         self._decoder = msgspec.msgpack.Decoder(_Stamps)
         self._commands: OrderedDict[tuple[int, int], CommandMark] = OrderedDict()
         self._session, self._newest = -1, -1
@@ -68,6 +73,10 @@ class RoundTrips:
         stamps = self._decode(payload)
         if stamps is None:
             return None
+        if stamps.session not in self.offsets_ns:
+            self.offsets_ns[stamps.session] = arrived_ns - stamps.t_sent_ns
+            if len(self.offsets_ns) > MAX_SESSIONS:
+                self.offsets_ns.popitem(last=False)
         mark = CommandMark(arrived_ns)
         self._commands[stamps.session, stamps.seq] = mark
         if stamps.session != self._session:

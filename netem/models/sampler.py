@@ -145,6 +145,11 @@ class _Table:
         return self._scale * (low + (place - index) * (high - low))
 
 
+def load() -> None:
+    """Have ready what all tables are computed with: to import it takes longer than who changes a network waits."""
+    _uniform_table()
+
+
 def prepare(model: DelayModel) -> None:
     """Have ready what a sampler of the model needs: the first takes a while, in which no message would go on."""
     _quantile(model)

@@ -84,6 +84,17 @@ def test_what_is_no_recording_is_one_line(tmp_path, content):
     assert str(path) in str(found.value)
 
 
+@pytest.mark.parametrize(("place", "bit"), [(0, 0), (3, 6), (9, 7), (20, 7), (25, 7), (37, 7)])
+def test_one_flipped_bit_in_its_beginning_leaves_it_a_recording_of_farhand(recording, place, bit):
+    data = bytearray(recording.read_bytes())
+    data[place] ^= 1 << bit
+    recording.write_bytes(data)
+    with pytest.raises(RunFileError) as found:
+        read_run(recording)
+    beginning = "a recording of Farhand whose beginning, which says what run it is, is damaged or cut off"
+    assert str(found.value) == f"run {recording}: {beginning}: it cannot be read"
+
+
 def test_missing_files_and_foreign_formats(tmp_path):
     with pytest.raises(RunFileError, match="No such file"):
         read_run(tmp_path / "none.mcap")

@@ -196,7 +196,7 @@ def test_a_gap_ends_an_episode_and_idle_ends_are_cut(tmp_path, capsys):
         [2.8, (TICKS - 37) / 10]
     )
     said = capsys.readouterr().err  # and after the gap, what two ticks see applied was sent in it
-    assert "4 ticks are missing after tick 30" in said
+    assert "4 ticks are missing after tick 29" in said
     assert "2 ticks are left out: the robot followed commands that are not in the recording" in said
     make_run(tmp_path / "b.mcap", ticks=STOPPED[-1] + 1)
     assert run_export([tmp_path / "b.mcap"], "lerobot", tmp_path / "b") == 0

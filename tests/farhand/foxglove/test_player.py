@@ -1,6 +1,7 @@
 """Playing a recording: every message once and in order; after a seek all that stood then."""
 
 from contextlib import closing
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from farhand.common.recording.reader import Gap, RunReader
 from farhand.foxglove.player import Player
 from farhand.foxglove.recorded_topics import RecordedTopics
 from farhand.foxglove.wire import Frames, Scene
+from farhand.programs.foxglove import Lacks
 from tests.farhand.made_run import make_run
 
 STEP_NS = 33_000_000
@@ -151,6 +153,27 @@ def test_what_a_flipped_bit_took_away_is_told_of(short, tmp_path, place, bit):
     except RunFileError:
         return
     assert found == whole or lacks
+
+
+def test_all_damage_is_told_before_anything_is_played(path, tmp_path, capsys):
+    data = bytearray(path.read_bytes())
+    with closing(RecordedTopics(path)) as topics:
+        places = [topics.chunks[number].start + topics.chunks[number].size - 9 for number in (3, -2)]
+    for place in places:
+        data[place] ^= 1
+    damaged, heard = tmp_path / "run.mcap", []
+    damaged.write_bytes(data)
+    with closing(RecordedTopics(damaged)) as topics:
+        lacks = Lacks("run.mcap", topics, SimpleNamespace(trouble=heard.append))
+        while not topics.checked:
+            lacks.tell(asked=False)
+        line = "2 damaged parts of the file are left out"
+        assert capsys.readouterr().err.splitlines() == [f"foxglove: run.mcap: {line}"]
+        assert heard == [line]
+        lacks.tell(asked=False)
+        lacks.tell(asked=True)
+        assert heard == [line] * 2
+        assert not capsys.readouterr().err
 
 
 def played(path):

@@ -18,6 +18,7 @@ from farhand.operator_side.supervision import ESTOP_ASKED
 from farhand.runs.scenario import load_scenario, replace_setting
 from farhand.testing import report
 from farhand.testing.disk import ScriptedFile
+from tests.farhand.made_run import make_run
 
 
 @pytest.fixture(scope="module")
@@ -192,12 +193,27 @@ def test_a_recording_with_a_gap_is_judged_up_to_it_and_says_so(recordings, tmp_p
     assert len(result.judged) == gap.before < len(result.ticks)
     assert len(result.ticks) + gap.ticks == len(whole.ticks)
     assert result.identical
-    assert run_cli(["replay", str(path)]) == 0
+    assert result.unjudged == len(whole.ticks) - gap.before
+    assert run_cli(["replay", str(path), "--margin", "paper"]) == 0  # compared, not judged
+    capsys.readouterr()
+    assert run_cli(["replay", str(path)]) == 1
     said = " ".join(capsys.readouterr().out.split())
-    assert f"{gap.ticks} ticks are missing after tick {gap.before}" in said
+    assert f"{gap.ticks} ticks are missing after tick {gap.before - 1}" in said
     assert "No space left on device" in said
     assert f"before the first gap all {gap.before} decisions are identical to the byte" in said
     assert "cannot be judged" in said
+
+
+def test_replay_and_export_name_the_same_tick_before_each_of_two_gaps(tmp_path, capsys):
+    """By the tick's own number: that of the second gap is not how many ticks are there before it."""
+    make_run(tmp_path / "run.mcap", left_out=(*range(30, 34), *range(60, 65)))
+    assert [gap.after for gap in read_run(tmp_path / "run.mcap").gaps] == [29, 59]
+    for line in read_run(tmp_path / "run.mcap").flaws():
+        assert "after tick 29, 2.9 s" in line or "after tick 59, 5.9 s" in line
+    run_cli(["export", str(tmp_path / "run.mcap"), "--to", "csv", "--out", str(tmp_path / "out")])
+    said = capsys.readouterr().err
+    assert "4 ticks are missing after tick 29:" in said
+    assert "5 ticks are missing after tick 59:" in said
 
 
 def test_what_a_device_said_and_who_stopped_it_are_in_the_replay():

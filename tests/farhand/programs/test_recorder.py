@@ -7,6 +7,8 @@ import pytest
 
 from farhand.common.messages.codec import encode
 from farhand.common.recording.batch import TickBatch
+from farhand.common.recording.fates import FATE_TOPICS, Fate, FateBatch
+from farhand.common.recording.reader import Entry, RunReader, read_run
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
 from farhand.programs.followed_run import FollowedRun
@@ -107,6 +109,54 @@ def test_one_that_is_gone_is_told_with_the_tick_after_which_nothing_is_known(
     assert why in last
     assert f"after tick {ticks - 1}, if anything was, is not there" in last
     assert machine.now >= 5.0 + after
+
+
+def test_on_a_full_disk_it_says_how_many_ticks_and_messages_are_in_the_file(tmp_path, capsys):
+    disk = ScriptedFile()
+    recording = FollowedRun(lambda info: RunFile(None, info, file=disk))
+    recording.take(Machine().ticks(0, None))  # one tick
+    disk.fails = lambda number: number > 30
+    machine = Machine(ends=12.0)
+    for second in range(1, 13):
+        machine.now = second
+        recording.take(machine.ticks(recording.next, None))
+        fates = tuple(fate(number) for number in range(recording.next_fate, 10 * second))
+        recording.take_fates(
+            FateBatch(
+                session=1,
+                first=recording.next_fate,
+                fates=fates,
+                more=False,
+                epoch_ns=1,
+                uplink="",
+                downlink="",
+                seed=1,
+                sessions_ns={INFO.session: 0},
+            )
+        )
+    recording.close()
+    assert _conclude(recording, tmp_path / "run.mcap", "") == 1
+    found, missing = len(read_run(disk).ticks), 121 - len(read_run(disk).ticks)
+    entries = sum(isinstance(item, Entry) for item in RunReader(disk).items(FATE_TOPICS["uplink"].__eq__))
+    assert 0 < found < 121
+    assert 0 < entries < 120
+    said = capsys.readouterr().err.splitlines()
+    assert said[0] == f"record: {found} ticks, what became of {entries} messages in {tmp_path / 'run.mcap'}"
+    assert f"what became of {120 - entries} messages is missing" in said[1]
+    assert f"{missing} ticks are missing: it cannot be written" in said[2]
+
+
+def fate(number):
+    return Fate(
+        direction="uplink",
+        key="farhand/r/command",
+        number=number,
+        size=1,
+        arrived_ns=number * TICK_NS,
+        drawn_ns=0,
+        assigned_ns=0,
+        achieved_ns=0,
+    )
 
 
 def test_told_to_end_while_all_is_well_nothing_is_missing(tmp_path, capsys, monkeypatch):

@@ -11,6 +11,7 @@ from mcap.reader import make_reader
 
 from farhand.cli import run
 from farhand.common.messages.codec import encode
+from farhand.common.recording.reader import read_run
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import utc_seconds
@@ -114,8 +115,21 @@ def test_a_run_that_is_being_written_began_when_it_began_and_lacks_nothing(runs)
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])  # changed just now, and without an end
     found = next(each for each in list_runs(runs) if each.path.endswith("run-0"))
-    assert (found.result, found.note, found.length) == ("is being written", "", None)
+    assert (found.result, found.note, found.length) == ("cut off, or being written", "", None)
     assert utc_seconds() - found.when == pytest.approx(86_400, abs=60)
+
+
+def test_only_a_recording_that_has_a_writer_is_said_to_be_written(runs):
+    def result():
+        return next(each.result for each in list_runs(runs) if each.path.endswith("new.mcap"))
+
+    file = RunFile(runs / "new.mcap", read_run(runs / "alone.mcap").info)
+    assert result() == "is being written"
+    cut = (runs / "new.mcap").read_bytes()
+    file.close()
+    assert result() == "unknown"
+    (runs / "new.mcap").write_bytes(cut)  # as a copy, or what a killed recorder leaves
+    assert result() == "cut off, or being written"
 
 
 def test_a_damaged_end_gives_no_length_and_no_age(runs):
