@@ -71,7 +71,7 @@ if ! ls -d .venv/lib/python3*/site-packages/cmeel.prefix/share/example-robot-dat
     pip install --no-deps --force-reinstall "$(sed -n 's/^\(example-robot-data==[0-9.]*\).*/\1/p' requirements.lock)"
 fi
 .venv/bin/python scripts/slim_environment.py .venv
-.venv/bin/python -m farhand.laboratory.warm | sed "s/^/farhand: /"
+.venv/bin/python -m farhand.laboratory.warm | sed -u "s/^/farhand: /"
 touch .venv/.ready
 [ "${1:-}" != tests ] || touch .venv/.ready-tests
 echo "farhand: ready, .venv/bin/farhand"

@@ -2,6 +2,8 @@
 
 import dataclasses
 import json
+import re
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -201,7 +203,14 @@ def fit(
         save_model(model, out, f"fitted to {file.name}: {trace.provenance or 'source unknown'}")
     print_fit(model, wanted, fitted, fitted_loss)
     if out:
-        typer.echo(f"use it as: --network model:{out}")
+        typer.echo(f"use it as: --network {as_word(str(out))}")
+
+
+def as_word(path: str) -> str:
+    """How a shell hands a model's file to --network: in quotes of the word's own where it is more than a plain name."""
+    if re.fullmatch(r"[\w./+-]+", path):
+        return f"model:{path}"
+    return shlex.quote(f'model:"{path}"')
 
 
 @trace_app.command()

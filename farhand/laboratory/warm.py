@@ -11,11 +11,11 @@ SCENARIOS = ("ur5-obstacle", "point-obstacle")
 
 def main() -> int:
     """Begin a task of each kind, with a line of progress before and after; returns the exit code."""
-    print("compiling solver and robots (some 80 s when the cache is empty) ...", end=" ", flush=True)
+    print("compiling solver and robots (some 80 s when the cache is empty) ...", flush=True)
     start = stopwatch_seconds()
     for scenario in SCENARIOS:
         simulate(scenario, network="none", time_limit=0.5)
-    print(f"done in {stopwatch_seconds() - start:.1f} s")
+    print(f"compiled in {stopwatch_seconds() - start:.1f} s")
     return 0
 
 
