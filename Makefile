@@ -1,5 +1,5 @@
 # make demo   drive a UR5 past an obstacle over a bad network
-# make test   run the tests: some six minutes on two cores
+# make test   run the tests: some five minutes on two cores
 # make test-long  those that take too long for every time, and more examples of the others
 # make check  style, types, and the one way of imports
 # make bench  speed, as ratios from one run
