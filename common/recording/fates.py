@@ -72,4 +72,4 @@ class FateBatch(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     uplink: str
     downlink: str
     seed: int
-    sessions_ns: dict[int, int]
+    sessions_ns: dict[int, int] = {}

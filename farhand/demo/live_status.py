@@ -64,7 +64,7 @@ def render(
         around: what is around the robot, in words.
     """
     clock = f"   {elapsed:5.1f} s" + ("" if shown.running else ", clock stands")
-    head = Text.assemble(("farhand ", "bold"), (title, "cyan"), (clock, "dim"))
+    head = Text.assemble(("farhand ", "bold"), (title, "cyan" if shown.running else "bold"), (clock, "dim"))
     told = [_told(shown)] if shown.said else []
     return Group(head, *told) if report is None else Group(head, *told, _grid(report, shown, trail, around))
 
@@ -76,15 +76,13 @@ def _told(shown: Picture) -> Text:
 
 
 def _grid(report: ControlReport, shown: Picture, trail: list[float], around: str) -> Table:
-    """All values; those of the robot and of the operator are as live as these are."""
+    """All values; each is as live as robot or operator, what follows from both as the older of them."""
     robot_style = "" if shown.robot is Freshness.LIVE else "dim"
     own_style = "" if shown.operator is Freshness.LIVE else "dim"
+    both_style = own_style or robot_style
 
     def of_robot(text: str) -> Text:
         return Text(text, style=robot_style)
-
-    def own(text: str) -> Text:
-        return Text(text, style=own_style)
 
     grid = Table.grid(padding=(0, 3))
     grid.add_column(style="dim", justify="right", no_wrap=True)
@@ -96,7 +94,7 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float], around: str
     trip = f"{milliseconds(report.rtt_mean)} ± {milliseconds(report.rtt_std)} ms"
     grid.add_row("round trip", of_robot(trip), "lost", of_robot(_percent(report.loss)))
     rate = report.state_rate if shown.robot is Freshness.LIVE else 0.0
-    grid.add_row("margin", own(margin_text(report)), "states", of_robot(f"{rate:.0f} /s"))
+    grid.add_row("margin", Text(margin_text(report), style=both_style), "states", of_robot(f"{rate:.0f} /s"))
     nearest, least = _mm(report.clearance), _mm(report.min_clearance)
     grid.add_row(
         "clearance", of_robot(f"{nearest}  (least {least})"), "refused", of_robot(str(report.refused_there))
@@ -106,9 +104,10 @@ def _grid(report: ControlReport, shown: Picture, trail: list[float], around: str
     grid.add_row("robot", _mode(report, shown), "filter", _filter(report, shown))
     if around:
         grid.add_row("scene", of_robot(around), "", "")
-    for line in (_stands(report), _held(report), report.guard and f"guard {guard_words(report.guard)}"):
+    guard = f"guard {guard_words(report.guard)}" if report.guard else ""
+    for line, style in ((_stands(report), own_style), (_held(report), both_style), (guard, both_style)):
         if line:
-            grid.add_row("", Text(line, style=own_style or "yellow"))
+            grid.add_row("", Text(line, style=style or "yellow"))
     return grid
 
 
@@ -186,7 +185,7 @@ def _mode(report: ControlReport, shown: Picture) -> Text:
 
 
 def _filter(report: ControlReport, shown: Picture) -> Text:
-    live = shown.operator is Freshness.LIVE
+    live = Freshness.LIVE is shown.operator is shown.robot
     if report.status not in GOOD_STATUS:
         style = "bold white on red" if live else "dim"
         return Text(f" {report.status.upper()} " if live else f"was {report.status}", style=style)

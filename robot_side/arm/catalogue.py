@@ -5,7 +5,7 @@ import difflib
 import importlib.util
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from farhand.common.errors import InputError
@@ -62,17 +62,11 @@ def _universal(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
 
 def _universal_e(size: int, home: tuple[float, ...], reach: str) -> KnownArm:
     """Of the e-Series: by its published link lengths, with the meshes of the package airo-models."""
-    return KnownArm(
+    return replace(
+        _universal(size, home, reach),
         title=f"UR{size}e",
         urdf=f"ur{size}e.urdf",
         srdf="ur_e_series.srdf",
-        tool_frame="tool0",
-        home=home,
-        max_acceleration=(15.0,) * 6,
-        elbow=2,
-        wrist=4,
-        reach=reach,
-        holds_itself=False,
         shapes="airo_models",
     )
 

@@ -15,6 +15,7 @@ from farhand.testing import OPERATOR_SESSION, report, scene
 
 S = 1_000_000_000
 BACKGROUND = re.compile(r"\x1b\[(?:\d+;)*4[0-7](?:;\d+)*m")
+COLOUR = re.compile(r"\x1b\[(?:\d+;)*[34][0-7](?:;\d+)*m")
 DRIVING = {
     "safety": "run",
     "states": 500,
@@ -55,6 +56,18 @@ def test_what_is_old_is_not_drawn_as_live(ages, mode):
     assert f"{max(ages.report, ages.state):.1f} s" in text
     for row in codes.splitlines()[2:]:
         assert not BACKGROUND.search(row), row
+
+
+def test_what_follows_from_a_robot_that_is_gone_has_no_colour_though_its_operator_lives():
+    held = {"held_by": "obstacle 'ball'", "intervening": True, "binding": "ball", "inflation": 0.045}
+    live, _ = drawn(Ages(0.1, 0.1), **held)
+    gone, text = drawn(Ages(0.1, 11.0), **held)
+    assert "was intervening: ball" in text
+    assert COLOUR.search(live.splitlines()[0])
+    assert not any(COLOUR.search(row) for row in gone.splitlines()[:1] + gone.splitlines()[2:])
+    margin = "45 mm beyond the limit"
+    assert f"\x1b[2m{margin}" in gone
+    assert f"\x1b[2m{margin}" not in live
 
 
 def test_an_operator_that_is_gone_filters_nothing():
