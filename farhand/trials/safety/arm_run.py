@@ -11,7 +11,7 @@ from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.plane import Plane
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel, model
-from farhand.robot_side.kernel.distance import capsule_row, distance_floor
+from farhand.robot_side.kernel.distance import capsule_row
 from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Body, Joints, placed
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.obstacle_field import ObstacleField
@@ -19,7 +19,8 @@ from farhand.robot_side.scene.surroundings import Surroundings, surroundings_of
 from farhand.trials.safety.adversary import Adversary
 from farhand.trials.safety.outcome import Case, Outcome
 from farhand.trials.safety.scenes import draw_scene, plane, sampled
-from farhand.trials.safety.truth import Meshes
+from farhand.trials.safety.sweep import sweep
+from farhand.trials.safety.truth import Meshes, Pairs
 
 DT = 0.002
 LAG = 0.016
@@ -71,8 +72,11 @@ class Judge:
         self._meshes = Meshes(arm)
         self._field = ObstacleField(obstacles, 0)
         self._planes = np.array([isinstance(o.shape, Plane) for o in obstacles], dtype=bool)
-        self._moving = [i for i in range(body.whole) if body.capsules[i, 0] >= 0]
-        self._pairs = self._meshes.pairs(arm.home, d_min)
+        moving = np.array([i for i in range(body.whole) if body.capsules[i, 0] >= 0])
+        self._arm = body.capsules, moving
+        self._bounds = np.array([d_min, NEAR])
+        self._close = np.zeros((max(1, len(moving) * len(obstacles)), 2), dtype=np.int64)
+        self._pairs = Pairs(self._meshes.pairs(arm.home, d_min), arm.n)
         self.nearest, self.nearest_self = 1e6, 1e6
         self.part, self.obstacle, self.at = "", "", 0.0
         self.two = ""
@@ -80,25 +84,12 @@ class Judge:
 
     def look(self, q: Array, around: Surroundings, t: float) -> tuple[float, int, int]:
         """Note the truth now; returns the least distance by capsules, its capsule and its obstacle."""
-        A, B = placed(self._body, q)
-        body = self._body
-        found = []
-        best, which, whose = 1e6, -1, -1
-        for i in self._moving:
-            radius, joint = body.capsules[i, 7], body.capsules[i, 0]
-            for j in range(len(around.rows)):
-                if self._planes[j] and joint < 2:
-                    # the foot cannot leave the table that it stands on: the meshes decide
-                    if joint == 1 and self._tick % EVERY == 0:
-                        found.append((i, j))
-                    continue
-                if distance_floor(A[i], B[i], radius, around.rows[j]) > max(best, NEAR):
-                    continue
-                d = capsule_row(A[i], B[i], radius, around.rows[j], around.vertices)[0]
-                if d < best:
-                    best, which, whose = d, i, j
-                if d < self._d_min or (d < NEAR and self._tick % EVERY == 0):
-                    found.append((i, j))
+        around_it = around.rows, around.vertices, self._planes
+        often = self._tick % EVERY == 0
+        best, which, whose, count = sweep(
+            placed(self._body, q), self._arm, around_it, self._bounds, often, self._close
+        )
+        found = self._close[:count].tolist()
         if found:
             self._measure(q, found, t)
         elif best < self.nearest and best >= NEAR:
@@ -111,7 +102,7 @@ class Judge:
         self.nearest, self.at = distance, t
         self.part, self.obstacle = self._body.parts[which], self._field.at(0)[whose].id
 
-    def _measure(self, q: Array, found: list[tuple[int, int]], t: float) -> None:
+    def _measure(self, q: Array, found: list[list[int]], t: float) -> None:
         self._meshes.place(q)
         obstacles = self._field.at(round(t * 1e9))
         for i, j in found:
@@ -122,13 +113,14 @@ class Judge:
     def _look_at_itself(self, q: Array) -> None:
         if self._tick % 2:
             return
-        near = [pair for pair in self._pairs if pair.at_least(q) < self._d_min]
+        near = self._pairs.nearer_than(self._d_min, q)
         if not near:
             return
         self._meshes.place(q)
-        for pair in near:
+        for k in near:
+            pair = self._pairs[k]
             d = self._meshes.between(pair.one, pair.other, NEAR)
-            pair.measured(q, d)
+            self._pairs.measured(k, q, d)
             if d < self.nearest_self:
                 self.nearest_self, self.two = d, f"{pair.one} and {pair.other}"
 

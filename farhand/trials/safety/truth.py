@@ -1,7 +1,9 @@
 """True distances of an arm's meshes to obstacles, by Coal with the meshes' hulls, and to each other, by their
 triangles: none of it is code of the guard."""
 
+from collections.abc import Sequence
 from itertools import combinations
+from typing import NamedTuple
 
 import coal
 import numpy as np
@@ -30,11 +32,12 @@ class Meshes:
         self._model = pin.buildModelFromXML(arm.urdf)
         self._data = self._model.createData()
         self._geometry = pin.buildGeomFromUrdfString(self._model, arm.urdf, pin.GeometryType.COLLISION)
-        self._triangles = [each.geometry for each in self._geometry.geometryObjects]
+        self._triangles: list[object] = [each.geometry for each in self._geometry.geometryObjects]
         for each in self._geometry.geometryObjects:
             if isinstance(each.geometry, coal.BVHModelBase):
                 each.geometry.buildConvexHull(True, "Qt")
                 each.geometry = each.geometry.convex
+        self._hulls: list[object] = [each.geometry for each in self._geometry.geometryObjects]
         self._placed = self._geometry.createData()
         self._of_link: dict[str, list[int]] = {}
         for index, each in enumerate(self._geometry.geometryObjects):
@@ -64,8 +67,7 @@ class Meshes:
 
         Of their hulls where these are `below` (m) apart or farther, else of their triangles.
         """
-        hulls = [each.geometry for each in self._geometry.geometryObjects]
-        apart = self._between(hulls, one, other)
+        apart = self._between(self._hulls, one, other)
         return apart if apart >= below else self._between(self._triangles, one, other)
 
     def _between(self, solids: list[object], one: str, other: str) -> float:
@@ -116,27 +118,47 @@ class Meshes:
         return float(np.linalg.norm(center)) + float(each.geometry.aabb_radius)
 
 
-class Pair:
-    """Two links, and by how much less they can be apart than when they were measured last.
+class Pair(NamedTuple):
+    """Two links.
 
-    Args:
+    Attributes:
         one, other: the links, the one nearer to the base first.
         reach: (k,) of the second from each of the joints between the two (m).
         joints: their indices.
     """
 
-    def __init__(self, one: str, other: str, reach: Array, joints: range) -> None:
-        self.one, self.other = one, other
-        self._reach, self._joints = reach, slice(joints.start, joints.stop)
-        self._q, self._measured = np.zeros(len(reach)), -1e6
+    one: str
+    other: str
+    reach: Array
+    joints: range
 
-    def at_least(self, q: Array) -> float:
-        """No less than this are they apart at joint positions q (n,), rad (m)."""
-        return self._measured - float(self._reach @ np.abs(q[self._joints] - self._q))
 
-    def measured(self, q: Array, distance: float) -> None:
-        """Note a distance (m) at q."""
-        self._q, self._measured = q[self._joints].copy(), distance
+class Pairs:
+    """By how much less pairs of links can be apart than when they were measured last.
+
+    Args:
+        pairs: which.
+        n: the arm's joints.
+    """
+
+    def __init__(self, pairs: Sequence[Pair], n: int) -> None:
+        self._pairs = tuple(pairs)
+        self._reach = np.zeros((len(pairs), n))
+        for row, pair in zip(self._reach, pairs, strict=True):
+            row[pair.joints.start : pair.joints.stop] = pair.reach
+        self._q, self._distance = np.zeros((len(pairs), n)), np.full(len(pairs), -1e6)
+
+    def __getitem__(self, index: int) -> Pair:
+        return self._pairs[index]
+
+    def nearer_than(self, distance: float, q: Array) -> list[int]:
+        """Which may be nearer than a distance (m) at joint positions q (n,), rad."""
+        at_least = self._distance - np.einsum("pn,pn->p", self._reach, np.abs(q - self._q))
+        return [int(k) for k in np.flatnonzero(at_least < distance)]
+
+    def measured(self, index: int, q: Array, distance: float) -> None:
+        """Note a pair's distance (m) at q."""
+        self._q[index], self._distance[index] = q, distance
 
 
 def pose(obstacle: Obstacle) -> coal.Transform3s:
