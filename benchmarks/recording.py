@@ -22,7 +22,7 @@ from farhand.common.recording.batch import TickBatch
 from farhand.common.recording.reader import RecordedRun, read_run
 from farhand.common.timing.clock import stopwatch_seconds, thread_seconds
 from farhand.laboratory.simulation import simulate
-from farhand.operator_side.tick_history import KEPT, TickHistory
+from farhand.operator_side.accounts.tick_history import KEPT, TickHistory
 from farhand.programs.recorder import ASK_EVERY, FRAMES_BYTES
 
 SCENARIO, NETWORK, SECONDS, QUICK = "ur5-obstacle", "5g-urban", 30.0, 1.0

@@ -12,16 +12,16 @@ import typer
 from farhand.commands.arm import arm_app
 from farhand.commands.benchmark import benchmark_app
 from farhand.commands.certs import certs_app
+from farhand.commands.emulation.netem import netem_app
+from farhand.commands.emulation.traces import trace_app
 from farhand.commands.help_words import in_plain_words
 from farhand.commands.laboratory import register as register_experiments
 from farhand.commands.margin import margin_app
-from farhand.commands.netem import netem_app
 from farhand.commands.programs import register as register_programs
 from farhand.commands.recordings import register as register_recordings
 from farhand.commands.ros2 import register as register_ros2
 from farhand.commands.runs import register as register_runs
 from farhand.commands.scene import scene_app
-from farhand.commands.traces import trace_app
 from farhand.commands.trials import trial_app
 from farhand.commands.ur import ur_app
 from farhand.common.errors import FarhandError, InputError, RecordingWarning

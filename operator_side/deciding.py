@@ -18,22 +18,22 @@ from farhand.common.messages.command import CommandMode
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
-from farhand.operator_side.blockage import Blockage, Blocked
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.passing import changes, in_the_way
-from farhand.operator_side.delay_limits import beyond_limits
 from farhand.operator_side.faults import checked_margin, checked_plan, checked_steering, told
 from farhand.operator_side.margins.law import Margin, MarginInput
 from farhand.operator_side.margins.registry import make_margin
 from farhand.operator_side.pace import pace_of
-from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.command_history import CommandHistory
 from farhand.operator_side.prediction.innovations import Innovations
 from farhand.operator_side.prediction.law import Known, Prediction, StatePredictor
 from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.operator_side.prediction.response import Identification, Response
-from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.safety_filter import Ahead, Filtered, SafetyFilter
+from farhand.operator_side.sensing.blockage import Blockage, Blocked
+from farhand.operator_side.sensing.delay_limits import beyond_limits
+from farhand.operator_side.sensing.perception import Perception
+from farhand.operator_side.sensing.round_trip import RoundTrip
 from farhand.operator_side.settings import OperatorScenario
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
 from farhand.operator_side.steering.targets import Targets

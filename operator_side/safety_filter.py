@@ -19,7 +19,7 @@ from farhand.operator_side.control.settings import ControllerSettings
 from farhand.operator_side.margins.law import Margin
 from farhand.operator_side.margins.trail import Trail
 from farhand.operator_side.prediction.law import Prediction
-from farhand.operator_side.seen_obstacles import SeenObstacles
+from farhand.operator_side.sensing.seen_obstacles import SeenObstacles
 
 
 class Filtered(msgspec.Struct, frozen=True):

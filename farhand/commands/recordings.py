@@ -60,8 +60,8 @@ def runs(
     """
     import sys
 
-    from farhand.runs.pruning import Bounds
-    from farhand.runs.run_table import run_list, run_prune
+    from farhand.runs.shelf.pruning import Bounds
+    from farhand.runs.shelf.run_table import run_list, run_prune
 
     if not prune:
         if older_than is not None or keep is not None or max_size is not None or yes:

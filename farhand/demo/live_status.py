@@ -30,12 +30,12 @@ from farhand.common.messages.scene import Scene
 from farhand.common.process.signals import PeerWatch, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.scene_words import SceneWords
-from farhand.operator_side.result import GOOD_STATUS
-from farhand.operator_side.standstill import side_words
+from farhand.operator_side.accounts.result import GOOD_STATUS
+from farhand.operator_side.sensing.standstill import side_words
 from farhand.runs.freshness import Freshness, Hearing, Picture
-from farhand.runs.guard_words import guard_words
-from farhand.runs.standing_words import standing_words
-from farhand.runs.units import milliseconds
+from farhand.runs.words.guard import guard_words
+from farhand.runs.words.standing import standing_words
+from farhand.runs.words.units import milliseconds
 
 REFRESH_HZ = 10
 LINE_PERIOD = 2.0

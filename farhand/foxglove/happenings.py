@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
-from farhand.runs.guard_words import guard_words
-from farhand.runs.scene_words import scene_words
+from farhand.runs.words.guard import guard_words
+from farhand.runs.words.scene import scene_words
 
 OVER_NS = 300_000_000
 """What is not seen again for so long is over: the guard is told of once a state, the filter once a tick."""

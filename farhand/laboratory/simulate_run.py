@@ -8,8 +8,8 @@ from farhand.common.process.console import page
 from farhand.common.process.outputs import survive
 from farhand.common.process.signals import say, stopped_by_signals
 from farhand.laboratory.simulation import simulate_run
+from farhand.operator_side.accounts.result import sample_of
 from farhand.operator_side.control.registry import make_controller
-from farhand.operator_side.result import sample_of
 from farhand.operator_side.steering.hand.remote import Remote
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.programs.compiling import prepare_aloud, prepare_robot_aloud

@@ -24,11 +24,11 @@ from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.foxglove.view import views_of
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.measure.result import NetemResult
+from farhand.operator_side.accounts.result import OperatorResult, Span, Tally
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
 from farhand.operator_side.prepare import prepare
-from farhand.operator_side.result import OperatorResult, Span, Tally
 from farhand.programs.wiring import (
     OPERATOR_NAME,
     make_netem,

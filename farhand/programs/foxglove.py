@@ -23,9 +23,9 @@ from farhand.foxglove.recorded_topics import RecordedTopics
 from farhand.foxglove.server import Listener, Server, opened_by
 from farhand.foxglove.view import views_of
 from farhand.netem.control import control_endpoint
-from farhand.programs.camera_tap import CameraTap
-from farhand.programs.followed_run import FollowedRun
-from farhand.programs.tick_sources import Sources, opened
+from farhand.programs.following.camera_tap import CameraTap
+from farhand.programs.following.followed_run import FollowedRun
+from farhand.programs.following.tick_sources import Sources, opened
 
 ASK_EVERY = 0.05
 FRAMES_HZ = 20.0

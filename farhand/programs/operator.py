@@ -36,23 +36,23 @@ from farhand.common.timing.clock import SystemClock, stopwatch_seconds
 from farhand.common.timing.slot import Slot
 from farhand.common.trust.tls import TlsFolder
 from farhand.common.trust.zenoh_log import tell_refusals
+from farhand.operator_side.accounts.result import OperatorResult, Sample, Tally, sample_of
+from farhand.operator_side.accounts.tick_history import TickHistory
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.devices.sources import SOURCES
 from farhand.operator_side.main import Mirror, MirroredLink, OperatorOutcome, ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity, OperatorNode
-from farhand.operator_side.result import OperatorResult, Sample, Tally, sample_of
 from farhand.operator_side.steering.device import SteeringDevice
 from farhand.operator_side.steering.hand.remote import Remote
 from farhand.operator_side.steering.registry import make_device
-from farhand.operator_side.tick_history import TickHistory
 from farhand.programs.compiling import prepare_aloud
 from farhand.programs.series import Series
 from farhand.programs.sessions import random_session
 from farhand.programs.wiring import make_operator, source_state, versions
 from farhand.runs.difference import difference, scene_difference
 from farhand.runs.scenario import Scenario, scenario_to_table
-from farhand.runs.scene_words import scene_words
+from farhand.runs.words.scene import scene_words
 from farhand.site.acknowledge import AcknowledgeServer
 from farhand.site.estop import EstopServer
 from farhand.site.handover import HandoverServer

@@ -19,10 +19,10 @@ from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import SystemClock, local_timestamp, to_ns
 from farhand.foxglove.view import views_of
 from farhand.netem.control import control_endpoint
-from farhand.programs.camera_tap import CameraTap
-from farhand.programs.followed_run import FollowedRun
-from farhand.programs.silence import Silence
-from farhand.programs.tick_sources import Sources, opened
+from farhand.programs.following.camera_tap import CameraTap
+from farhand.programs.following.followed_run import FollowedRun
+from farhand.programs.following.silence import Silence
+from farhand.programs.following.tick_sources import Sources, opened
 
 FRAMES_HZ, FRAMES_BYTES = 5.0, 40e3
 """Pictures a second, and their bytes, where nothing is said: 2.4 MB a minute at most, less than everything else."""

@@ -6,9 +6,9 @@ from typing import Any
 
 import msgspec
 
-from farhand.report.evidence import Evidence
-from farhand.report.figures import SCHEMA, figures_of
-from farhand.report.settings import differing
+from farhand.report.reading.evidence import Evidence
+from farhand.report.reading.figures import SCHEMA, figures_of
+from farhand.report.reading.settings import differing
 
 DIGITS = 6
 

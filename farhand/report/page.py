@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.report import charts, marks, rows, space, tables, words
-from farhand.report.evidence import Evidence
-from farhand.report.figures import Figures, figures_of
-from farhand.report.story import Story
-from farhand.report.svg import Chart, drawn, legend
+from farhand.report import rows, tables, words
+from farhand.report.drawing import charts, marks, space
+from farhand.report.drawing.svg import Chart, drawn, legend
+from farhand.report.reading.evidence import Evidence
+from farhand.report.reading.figures import Figures, figures_of
+from farhand.report.reading.story import Story
 
 HERE = Path(__file__).parent
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from farhand.report.figures import Figures
+from farhand.report.reading.figures import Figures
 from farhand.report.words import UNKNOWN, length, lost, mm, ms, refusals, share, spread_mm, spread_ms
 
 Row = tuple[str, Callable[[Figures], str]]

@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from html import escape
 
-from farhand.report.evidence import Evidence
-from farhand.report.figures import Figures
+from farhand.report.reading.evidence import Evidence
+from farhand.report.reading.figures import Figures
+from farhand.report.reading.settings import differing
+from farhand.report.reading.stretches import Stretch, stretches
 from farhand.report.rows import Row
-from farhand.report.settings import differing
-from farhand.report.stretches import Stretch, stretches
 from farhand.report.words import refusals, value
-from farhand.runs.guard_words import guard_summary
-from farhand.runs.refusals import meaning
+from farhand.runs.words.guard import guard_summary
+from farhand.runs.words.refusals import meaning
 
 MOST_EVENTS = 300
 BEFORE_ALL = ("stop", "refused", "guard")

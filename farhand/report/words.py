@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from html import escape
 
-from farhand.report.figures import Figures, Spread, Way
+from farhand.report.reading.figures import Figures, Spread, Way
 
 UNKNOWN = "unknown"
 

@@ -10,8 +10,8 @@ from farhand.common.process.outputs import check_writable, survive
 from farhand.common.recording.place import recording_at
 from farhand.common.result_file import write_whole
 from farhand.report.as_json import to_json
-from farhand.report.evidence import read_evidence
 from farhand.report.page import Page
+from farhand.report.reading.evidence import read_evidence
 from farhand.runs.files import REPORT
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.common.result_file import write_whole
 from farhand.common.shapes.obstacle import moved
-from farhand.operator_side.result import Sample, Span
+from farhand.operator_side.accounts.result import Sample, Span
 from farhand.runs.scenario import Scenario
 from farhand.runs.scene_drawing import draw_shapes, draw_ways, seen_inside
 from farhand.runs.summary import RunSummary

@@ -9,10 +9,10 @@ from rich.text import Text
 from farhand.common.process.called import called
 from farhand.netem.measure.result import DirectionCounts, NetemCounts
 from farhand.runs.files import RECORDING, SUMMARY
-from farhand.runs.guard_words import guard_summary
-from farhand.runs.refusals import meaning
 from farhand.runs.summary import RunSummary, count_reasons, to_json
-from farhand.runs.units import milliseconds
+from farhand.runs.words.guard import guard_summary
+from farhand.runs.words.refusals import meaning
+from farhand.runs.words.units import milliseconds
 
 SHOWN_STOPS = 5
 NO_OPERATOR, NO_ROBOT = (f"unknown: the {who} left no result" for who in ("operator", "robot"))

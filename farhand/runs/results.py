@@ -6,7 +6,7 @@ import msgspec
 
 from farhand.common.result_file import read_result
 from farhand.netem.measure.result import NetemCounts, NetemResult
-from farhand.operator_side.result import OperatorCounts, OperatorResult
+from farhand.operator_side.accounts.result import OperatorCounts, OperatorResult
 from farhand.robot_side.result import RobotCounts, RobotResult
 from farhand.runs.files import NETEM, OPERATOR, ROBOT
 

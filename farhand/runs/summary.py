@@ -10,8 +10,8 @@ import msgspec
 from farhand.common.errors import ResultError
 from farhand.common.messages.base import SafetyMode
 from farhand.common.result_file import write_whole
+from farhand.operator_side.accounts.result import OperatorResult
 from farhand.operator_side.pace import pace_of
-from farhand.operator_side.result import OperatorResult
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.robot_side.result import GuardedPair, RobotResult
 from farhand.runs.files import SUMMARY

@@ -10,7 +10,7 @@ from farhand.common.link.requests import Desk, Request, Requests
 from farhand.common.messages.keys import ticks_key
 from farhand.common.recording.batch import TickBatch, TicksWanted
 from farhand.common.recording.records import RunInfo
-from farhand.operator_side.tick_history import TickHistory
+from farhand.operator_side.accounts.tick_history import TickHistory
 
 CONFIRMED_NS = 1_500_000_000
 """A recorder says some five times a second what it has written; silent for so long it is not writing."""

@@ -9,7 +9,7 @@ import pytest
 from farhand.common.errors import ResultError
 from farhand.common.result_file import read_result, write_result
 from farhand.netem.measure.result import Delays, DirectionResult, FlowCounts, KernelCounts, NetemResult
-from farhand.operator_side.result import OperatorResult
+from farhand.operator_side.accounts.result import OperatorResult
 from farhand.robot_side.result import Lateness, RobotResult
 
 NETEM = NetemResult(

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from rich.console import Console
 
-from farhand.commands.netem_options import own_networks
+from farhand.commands.emulation.netem_options import own_networks
 from farhand.common.errors import InputError
 from farhand.common.link.link import Packet, memory_wire
 from farhand.netem.action import Action

@@ -1,6 +1,6 @@
 """Whoever steers is told what stands in the way and where it is free."""
 
-from farhand.operator_side.blockage import Blockage, Blocked
+from farhand.operator_side.sensing.blockage import Blockage, Blocked
 from farhand.testing import state
 
 TICK_NS = 100_000_000

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from farhand.laboratory.simulation import simulate
-from farhand.operator_side.delay_limits import beyond_limits
+from farhand.operator_side.sensing.delay_limits import beyond_limits
 from farhand.runs.scenario import load_scenario, replace_settings
 
 

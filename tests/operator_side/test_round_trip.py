@@ -7,8 +7,8 @@ import pytest
 from farhand.common.link.link import Packet
 from farhand.common.messages.base import Echo
 from farhand.common.messages.codec import encode
-from farhand.operator_side.perception import Perception
-from farhand.operator_side.round_trip import SENT, RoundTrip
+from farhand.operator_side.sensing.perception import Perception
+from farhand.operator_side.sensing.round_trip import SENT, RoundTrip
 from farhand.testing import scene, state
 
 MS = 1_000_000

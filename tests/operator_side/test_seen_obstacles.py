@@ -11,7 +11,7 @@ from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.pose import rotation
 from farhand.common.shapes.sphere import Sphere
 from farhand.operator_side.control.settings import ControllerSettings
-from farhand.operator_side.seen_obstacles import SeenObstacles
+from farhand.operator_side.sensing.seen_obstacles import SeenObstacles
 from farhand.testing import messages
 
 SETTINGS = ControllerSettings()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from farhand.operator_side.standstill import Attempt, Standstill
+from farhand.operator_side.sensing.standstill import Attempt, Standstill
 from farhand.testing import state
 
 TICK_NS = 100_000_000

@@ -3,7 +3,7 @@
 import pytest
 
 from farhand.common.seeds import stream as draws
-from farhand.operator_side.state_loss import JUMP, SETTLE, WINDOW, StateLoss
+from farhand.operator_side.sensing.state_loss import JUMP, SETTLE, WINDOW, StateLoss
 from farhand.testing import state
 
 RATES = (50, 100, 500)

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from farhand.common.link.link import Packet
-from farhand.operator_side.tick_history import TickHistory
+from farhand.operator_side.accounts.tick_history import TickHistory
 from farhand.testing import report
 
 

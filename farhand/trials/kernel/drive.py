@@ -13,7 +13,7 @@ import numpy as np
 from farhand.common.errors import FarhandError, InputError
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.netem.measure.result import FlowCounts, KernelCounts, NetemResult
-from farhand.operator_side.result import Sample
+from farhand.operator_side.accounts.result import Sample
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
 from farhand.runs import files
 from farhand.runs.results import RunResults, read_results

@@ -4,7 +4,7 @@ import shlex
 
 import pytest
 
-from farhand.commands.traces import as_word
+from farhand.commands.emulation.traces import as_word
 from farhand.netem.spec import parse_spec
 
 

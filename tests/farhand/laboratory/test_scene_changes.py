@@ -13,9 +13,9 @@ from farhand.common.messages.scene import Obstacle
 from farhand.common.recording.reader import read_run
 from farhand.laboratory.replay import replay
 from farhand.laboratory.simulation import SimulationResult, _World
-from farhand.report.evidence import read_evidence
 from farhand.report.page import Page
-from farhand.report.story import read_story
+from farhand.report.reading.evidence import read_evidence
+from farhand.report.reading.story import read_story
 from farhand.runs.run import Run
 from farhand.runs.scenario import load_scenario
 from farhand.site.scene_asking import Asker, Change, SceneAsking

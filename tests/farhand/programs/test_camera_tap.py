@@ -6,7 +6,7 @@ import pytest
 
 from farhand.common.messages.camera import CameraFrame
 from farhand.common.messages.codec import encode
-from farhand.programs.camera_tap import CameraTap
+from farhand.programs.following.camera_tap import CameraTap
 
 
 class Clock:

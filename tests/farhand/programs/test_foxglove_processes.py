@@ -11,7 +11,7 @@ from farhand.common.messages.codec import Decoder
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.reader import read_run
 from farhand.common.timing.clock import SystemClock
-from farhand.operator_side.tick_history import TickHistory
+from farhand.operator_side.accounts.tick_history import TickHistory
 from farhand.site.tick_server import TickServer
 from farhand.testing import Programs
 from tests.farhand.foxglove.viewer import PLAY, PLAYING, Viewer

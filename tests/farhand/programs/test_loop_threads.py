@@ -32,11 +32,11 @@ from farhand.netem.emulation import Emulation
 from farhand.netem.measure.message_log import CsvLog, read_log
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
+from farhand.operator_side.accounts.tick_history import TickHistory
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.main import ReportPublisher, run_operator
 from farhand.operator_side.operator_node import OperatorIdentity
-from farhand.operator_side.tick_history import TickHistory
-from farhand.programs.followed_run import FollowedRun
+from farhand.programs.following.followed_run import FollowedRun
 from farhand.programs.operator import Course
 from farhand.programs.wiring import make_operator
 from farhand.robot_side.main import run_robot

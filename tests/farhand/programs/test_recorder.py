@@ -11,7 +11,7 @@ from farhand.common.recording.fates import FATE_TOPICS, Fate, FateBatch
 from farhand.common.recording.reader import Entry, RunReader, read_run
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
-from farhand.programs.followed_run import FollowedRun
+from farhand.programs.following.followed_run import FollowedRun
 from farhand.programs.recorder import _conclude, follow
 from farhand.testing import report
 from farhand.testing.disk import ScriptedFile

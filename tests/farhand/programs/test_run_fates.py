@@ -14,7 +14,7 @@ from farhand.netem.impairments.recorded import recorded_fates
 from farhand.netem.measure.fate_history import FateHistory
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
-from farhand.programs.followed_run import FollowedRun
+from farhand.programs.following.followed_run import FollowedRun
 from farhand.testing import command, report, state
 
 MS, BEFORE, OF_RUN, ELSEWHERE = 1_000_000, 5, 6, 7

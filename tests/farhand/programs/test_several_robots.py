@@ -5,8 +5,8 @@ import signal
 
 import pytest
 
-from farhand.commands.netem_live import common as share
-from farhand.commands.netem_live import set_network
+from farhand.commands.emulation.netem_live import common as share
+from farhand.commands.emulation.netem_live import set_network
 from farhand.common.link.ports import free_ports
 from farhand.netem.control import ask
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords

@@ -12,9 +12,9 @@ from farhand.common.errors import InputError
 from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.simulation import simulate
 from farhand.report.as_json import to_json
-from farhand.report.evidence import Evidence
 from farhand.report.page import Page
-from farhand.report.story import read_story
+from farhand.report.reading.evidence import Evidence
+from farhand.report.reading.story import read_story
 from tests.farhand.report.test_story import INFO
 
 

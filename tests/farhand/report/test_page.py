@@ -13,11 +13,11 @@ from farhand.cli import run
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.run_file import RunFile
 from farhand.laboratory.simulation import simulate
-from farhand.operator_side.state_loss import COUNTED
-from farhand.report.evidence import Evidence, _compare, read_evidence
-from farhand.report.figures import figures_of
+from farhand.operator_side.sensing.state_loss import COUNTED
+from farhand.report.drawing.svg import WIDTH, Chart, Line, drawn
 from farhand.report.page import Page
-from farhand.report.svg import WIDTH, Chart, Line, drawn
+from farhand.report.reading.evidence import Evidence, _compare, read_evidence
+from farhand.report.reading.figures import figures_of
 from farhand.runs.summary import write_summary
 from farhand.testing import report
 from tests.farhand.report.test_story import told as story_of

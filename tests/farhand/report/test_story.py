@@ -11,12 +11,12 @@ from farhand.common.messages.codec import encode
 from farhand.common.messages.keys import state_key
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
-from farhand.report.charts import clearance
-from farhand.report.evidence import Evidence
-from farhand.report.figures import figures_of, lateness, period_of
-from farhand.report.margin import additive, coverage, width_of
-from farhand.report.story import read_story
-from farhand.report.thinning import highest, thinned
+from farhand.report.drawing.charts import clearance
+from farhand.report.drawing.thinning import highest, thinned
+from farhand.report.reading.evidence import Evidence
+from farhand.report.reading.figures import figures_of, lateness, period_of
+from farhand.report.reading.margin import additive, coverage, width_of
+from farhand.report.reading.story import read_story
 from farhand.testing import report, state
 from farhand.testing.disk import ScriptedFile
 

@@ -3,10 +3,10 @@
 import re
 from pathlib import Path
 
-from farhand.report.evidence import Evidence
-from farhand.report.figures import Happened, figures_of
-from farhand.report.stretches import stretches
-from farhand.runs.refusals import MEANINGS, meaning
+from farhand.report.reading.evidence import Evidence
+from farhand.report.reading.figures import Happened, figures_of
+from farhand.report.reading.stretches import stretches
+from farhand.runs.words.refusals import MEANINGS, meaning
 from farhand.testing import report, state
 from tests.farhand.report.test_story import told
 

@@ -11,7 +11,7 @@ import pytest
 from farhand.cli import run
 from farhand.common.process.console import page
 from farhand.common.result_file import write_result
-from farhand.operator_side.result import OperatorResult
+from farhand.operator_side.accounts.result import OperatorResult
 from farhand.robot_side.result import RobotResult
 from farhand.runs.conclude import conclude
 from farhand.runs.run import Run

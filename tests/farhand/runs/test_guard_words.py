@@ -4,7 +4,7 @@ import msgspec
 
 from farhand.common.messages.intervention import Intervention
 from farhand.robot_side.result import GuardedPair, RobotCounts
-from farhand.runs.guard_words import guard_summary, guard_words
+from farhand.runs.words.guard import guard_summary, guard_words
 
 SLOWED = Intervention(
     part="forearm", obstacle="post-2", distance=0.031, limit=0.01, asked=0.3, done=0.12, what="slowed"

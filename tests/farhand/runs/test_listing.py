@@ -16,8 +16,8 @@ from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
 from farhand.common.timing.clock import utc_seconds
 from farhand.laboratory.simulation import simulate
-from farhand.runs.listing import list_runs
-from farhand.runs.pruning import Bounds, beyond, remove
+from farhand.runs.shelf.listing import list_runs
+from farhand.runs.shelf.pruning import Bounds, beyond, remove
 from farhand.runs.summary import write_summary
 from farhand.testing import report
 

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from farhand.laboratory.simulation import simulate
 from farhand.netem.measure.result import Delays, DirectionResult, NetemResult
-from farhand.operator_side.result import OperatorResult
+from farhand.operator_side.accounts.result import OperatorResult
 from farhand.robot_side.result import Lateness, RobotResult
 from farhand.runs.report import print_outcome
 from farhand.runs.results import RunResults

@@ -10,7 +10,7 @@ from farhand.common.errors import ResultError
 from farhand.common.result_file import write_result
 from farhand.laboratory.simulation import simulate
 from farhand.netem.measure.result import NetemResult
-from farhand.operator_side.result import OperatorResult
+from farhand.operator_side.accounts.result import OperatorResult
 from farhand.robot_side.result import RobotResult
 from farhand.runs.results import RunResults, read_results
 from farhand.runs.run import Run, choose_network

@@ -6,8 +6,8 @@ import pytest
 from farhand.common.recording.batch import TicksWanted
 from farhand.common.recording.records import RunInfo
 from farhand.common.recording.run_file import RunFile
-from farhand.operator_side.tick_history import TickHistory
-from farhand.programs.followed_run import FollowedRun
+from farhand.operator_side.accounts.tick_history import TickHistory
+from farhand.programs.following.followed_run import FollowedRun
 from farhand.site.tick_server import CONFIRMED_NS, TickServer
 from farhand.testing import report
 from farhand.testing.disk import ScriptedFile

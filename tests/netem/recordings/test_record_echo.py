@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from farhand.commands.traces import trace_app
+from farhand.commands.emulation.traces import trace_app
 from farhand.common.errors import InputError, TraceError
 from farhand.common.timing.clock import SystemClock
 from farhand.netem.models.profiles import load_model

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from farhand.common.geometry import norm
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
-from farhand.runs.guard_words import guard_words
+from farhand.runs.words.guard import guard_words
 
 INVALID, NO_WARNING, SLOWED_FOR_COLLISION, HALTED_FOR_COLLISION, JOINT_BOUND = -1, 0, 4, 5, 6
 OK, WARN, ERROR, STALE = range(4)

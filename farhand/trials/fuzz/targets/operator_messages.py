@@ -17,8 +17,8 @@ from farhand.common.messages.scene import Obstacle, Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.shapes.box import Box
 from farhand.common.shapes.mesh import Mesh
-from farhand.operator_side.perception import Perception
-from farhand.operator_side.round_trip import RoundTrip
+from farhand.operator_side.sensing.perception import Perception
+from farhand.operator_side.sensing.round_trip import RoundTrip
 from farhand.trials.fuzz.target import Target, check, finite
 
 NOW_NS = 5_000_000_000

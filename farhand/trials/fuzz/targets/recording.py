@@ -16,7 +16,7 @@ from farhand.common.messages.keys import state_key
 from farhand.common.recording.reader import read_run
 from farhand.common.recording.records import RunInfo, TickRecord
 from farhand.common.recording.run_file import RunFile
-from farhand.report.story import read_story
+from farhand.report.reading.story import read_story
 from farhand.trials.fuzz.files import scratch
 from farhand.trials.fuzz.target import Target, one_line
 from farhand.trials.fuzz.targets.operator_messages import report, state

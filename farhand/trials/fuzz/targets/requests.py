@@ -11,7 +11,7 @@ from farhand.netem.fate_server import FateServer
 from farhand.netem.measure.fate_history import FateHistory
 from farhand.netem.netem_node import NetemNode
 from farhand.netem.spec import parse_spec
-from farhand.operator_side.tick_history import TickHistory
+from farhand.operator_side.accounts.tick_history import TickHistory
 from farhand.site.tick_server import TickServer
 from farhand.trials.fuzz.target import Target, check
 

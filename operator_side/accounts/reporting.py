@@ -5,13 +5,13 @@ import msgspec
 from farhand.common.geometry import Twist
 from farhand.common.messages.command import CommandMode
 from farhand.common.messages.report import UPRIGHT, ControlReport
-from farhand.operator_side.blockage import Blocked
 from farhand.operator_side.margins.law import Margin
-from farhand.operator_side.perception import Perception
 from farhand.operator_side.prediction.law import Prediction
-from farhand.operator_side.round_trip import RoundTrip
 from farhand.operator_side.safety_filter import Filtered
-from farhand.operator_side.standstill import Attempt, Standstill
+from farhand.operator_side.sensing.blockage import Blocked
+from farhand.operator_side.sensing.perception import Perception
+from farhand.operator_side.sensing.round_trip import RoundTrip
+from farhand.operator_side.sensing.standstill import Attempt, Standstill
 from farhand.operator_side.steering.targets import Targets
 
 

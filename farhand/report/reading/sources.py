@@ -6,8 +6,8 @@ recording for all else, and for these where a program left no result.
 
 import numpy as np
 
-from farhand.operator_side.result import OperatorCounts
-from farhand.report.evidence import Evidence
+from farhand.operator_side.accounts.result import OperatorCounts
+from farhand.report.reading.evidence import Evidence
 
 ROBOT, OPERATOR = "robot's result", "operator's result"
 OF_ROBOT = ("clearance", "arm_clearance", "guard", "stops", "refused", "refused_by", "robot_loop")

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Collection
 
 from farhand.common.messages.state import RobotState
-from farhand.operator_side.state_loss import StateLoss
+from farhand.operator_side.sensing.state_loss import StateLoss
 
 SENT = 4096
 """Commands of which none has been answered yet: beyond it the oldest is kept, and the one after it goes."""

@@ -9,7 +9,7 @@ from farhand.common.recording.batch import TickBatch
 from farhand.common.recording.fates import FateBatch
 from farhand.common.recording.records import Gap, RunInfo
 from farhand.common.recording.run_file import RunFile
-from farhand.programs.tick_sources import Sources
+from farhand.programs.following.tick_sources import Sources
 
 TOO_LATE = "the operator's program keeps them no more: they were not asked for in time"
 

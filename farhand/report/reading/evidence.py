@@ -6,7 +6,7 @@ from pathlib import Path
 from farhand.common.errors import ResultError
 from farhand.common.recording.place import recording_at
 from farhand.common.result_file import read_result
-from farhand.report.story import Story, read_story
+from farhand.report.reading.story import Story, read_story
 from farhand.robot_side.result import RobotCounts, RobotResult
 from farhand.runs.files import RECORDING, ROBOT, SUMMARY
 from farhand.runs.summary import RunSummary, read_summary

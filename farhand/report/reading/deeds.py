@@ -10,8 +10,8 @@ from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
 from farhand.foxglove.happenings import Happening
-from farhand.runs.guard_words import guard_words
-from farhand.runs.standing_words import standing_words
+from farhand.runs.words.guard import guard_words
+from farhand.runs.words.standing import standing_words
 
 
 @dataclass(slots=True)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.netem_live import register_live_commands
+from farhand.commands.emulation.netem_live import register_live_commands
 from farhand.commands.options import InsecureOption, TlsOption
 from farhand.netem.endpoints import DEFAULT_ENDPOINT
 
@@ -91,7 +91,7 @@ def netem(
     """Run the emulator; without a sub-command. Ctrl-C ends it and prints what it did."""
     if context.invoked_subcommand is not None:
         return
-    from farhand.commands.netem_options import own_networks
+    from farhand.commands.emulation.netem_options import own_networks
     from farhand.common.process.security import local_endpoint
     from farhand.netem.settings import NetemSettings
     from farhand.programs.netem import netem_program

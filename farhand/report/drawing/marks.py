@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from html import escape
 
 from farhand.foxglove.happenings import Happening
-from farhand.report.story import Story
-from farhand.report.stretches import Stretch
-from farhand.report.svg import INNER, LEFT, RIGHT, WIDTH
+from farhand.report.drawing.svg import INNER, LEFT, RIGHT, WIDTH
+from farhand.report.reading.story import Story
+from farhand.report.reading.stretches import Stretch
 
 KINDS = {
     "filter": "the filter on the operator's side",

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from farhand.foxglove.happenings import OVER_NS
-from farhand.report.figures import LASTING, Happened
-from farhand.report.spans import joined, seconds_of
-from farhand.runs.refusals import meaning
+from farhand.report.reading.figures import LASTING, Happened
+from farhand.report.reading.spans import joined, seconds_of
+from farhand.runs.words.refusals import meaning
 
 TOGETHER = 1.0
 """What comes again within so long is told in the same row (s)."""

@@ -6,12 +6,12 @@ import numpy as np
 from farhand.common.geometry import Array
 from farhand.common.timing.clock import utc_words
 from farhand.foxglove.happenings import OVER_NS
-from farhand.report import sources
-from farhand.report.evidence import Evidence
-from farhand.report.margin import additive, coverage, width_of
-from farhand.report.settings import changed
-from farhand.report.spans import Span, joined, seconds_of
-from farhand.report.story import Story
+from farhand.report.reading import sources
+from farhand.report.reading.evidence import Evidence
+from farhand.report.reading.margin import additive, coverage, width_of
+from farhand.report.reading.settings import changed
+from farhand.report.reading.spans import Span, joined, seconds_of
+from farhand.report.reading.story import Story
 
 SCHEMA = "farhand-report-2"
 """Fields may be added; what one means, or that it goes, raises the number."""

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.report.thinning import highest, thinned
+from farhand.report.drawing.thinning import highest, thinned
 
 WIDTH, LEFT, RIGHT, TOP, BOTTOM = 760.0, 46.0, 10.0, 18.0, 20.0
 INNER = WIDTH - LEFT - RIGHT

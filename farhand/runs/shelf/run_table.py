@@ -9,8 +9,8 @@ from rich.console import Console
 from farhand.common.errors import InputError
 from farhand.common.process.console import page
 from farhand.common.timing.clock import local_words
-from farhand.runs.listing import ListedRun, list_runs
-from farhand.runs.pruning import Bounds, beyond, remove
+from farhand.runs.shelf.listing import ListedRun, list_runs
+from farhand.runs.shelf.pruning import Bounds, beyond, remove
 
 
 def run_list(folder: Path, as_json: bool) -> int:

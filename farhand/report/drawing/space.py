@@ -12,10 +12,10 @@ from farhand.common.geometry import Array
 from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.plane import Plane
 from farhand.common.shapes.pose import rotation
-from farhand.report.figures import limit_of
-from farhand.report.story import Story
-from farhand.report.svg import joined, ticks_of
-from farhand.report.thinning import thinned
+from farhand.report.drawing.svg import joined, ticks_of
+from farhand.report.drawing.thinning import thinned
+from farhand.report.reading.figures import limit_of
+from farhand.report.reading.story import Story
 from farhand.runs.scene_drawing import image, outline
 
 VIEWS: tuple[tuple[str, tuple[int, int]], ...] = (

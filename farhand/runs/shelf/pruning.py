@@ -8,7 +8,7 @@ from pathlib import Path
 from farhand.common.errors import InputError
 from farhand.common.process.outputs import hold_folder
 from farhand.common.timing.clock import utc_seconds
-from farhand.runs.listing import ListedRun, files_of, is_run, is_written
+from farhand.runs.shelf.listing import ListedRun, files_of, is_run, is_written
 
 DAY = 86_400.0
 

@@ -97,7 +97,7 @@ def show(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON (s) instead of tables.")] = False,
 ) -> None:
     """Percentiles, loss and autocorrelation of a trace, and a figure of it."""
-    from farhand.commands.trace_tables import print_trace
+    from farhand.commands.emulation.trace_tables import print_trace
     from farhand.netem.recordings.autocorrelation import autocorrelation
     from farhand.netem.recordings.delay_figure import draw_trace
 
@@ -135,7 +135,7 @@ def record_command(
     On the one host: `farhand trace record --listen tcp/0.0.0.0:7450`. On the other:
     `farhand trace record --connect tcp/FIRST:7450 --rate 50 --size 300 --seconds 20 --out path.csv`.
     """
-    from farhand.commands.trace_tables import in_ms
+    from farhand.commands.emulation.trace_tables import in_ms
     from farhand.common.process.outputs import check_writable
     from farhand.common.process.signals import stop_event_on_signals
     from farhand.common.timing.clock import SystemClock
@@ -186,7 +186,7 @@ def fit(
     """Fit a seeded model (jitter, slow or held episodes, outages, loss) and compare it with the recording."""
     if seed < 0:
         raise InputError(f"--seed {seed}: must not be negative")
-    from farhand.commands.trace_tables import print_fit, print_reading
+    from farhand.commands.emulation.trace_tables import print_fit, print_reading
     from farhand.common.seeds import stream
     from farhand.netem.models.fit import fit_model, model_quantiles, save_model
     from farhand.netem.recordings.trace import QUANTILES
@@ -234,7 +234,7 @@ def convert(
     sort: SortOption = False,
 ) -> None:
     """Write a trace in another format."""
-    from farhand.commands.trace_tables import print_reading
+    from farhand.commands.emulation.trace_tables import print_reading
     from farhand.netem.recordings.write import write_trace
 
     trace = _load(file, format, unit, column, period, kind, gap, time_unit, decimal, lost, sort)

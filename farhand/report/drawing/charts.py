@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from farhand.operator_side.state_loss import COUNTED, SETTLE
-from farhand.report.figures import lateness, limit_of, period_of
-from farhand.report.margin import additive, width_of
-from farhand.report.story import Story
-from farhand.report.svg import Chart, Level, Line
+from farhand.operator_side.sensing.state_loss import COUNTED, SETTLE
+from farhand.report.drawing.svg import Chart, Level, Line
+from farhand.report.reading.figures import lateness, limit_of, period_of
+from farhand.report.reading.margin import additive, width_of
+from farhand.report.reading.story import Story
 
 MM, MS = 1e3, 1e3
 SHOWN_CLEARANCE = 0.2

@@ -3,7 +3,7 @@
 import numpy as np
 
 from farhand.common.geometry import Array
-from farhand.report.story import Story
+from farhand.report.reading.story import Story
 
 LAG = "lag"
 """What comes on top of every law's own."""

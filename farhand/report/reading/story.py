@@ -15,9 +15,9 @@ from farhand.common.recording.fates import FATE_TOPICS, Fate
 from farhand.common.recording.reader import RunReader, read_in_order
 from farhand.common.recording.records import Gap, RunInfo, TickRecord
 from farhand.foxglove.happenings import Happening, Happenings
-from farhand.report.columns import Columns, NamedParts
-from farhand.report.deeds import Deeds
-from farhand.report.network import Network
+from farhand.report.reading.columns import Columns, NamedParts
+from farhand.report.reading.deeds import Deeds
+from farhand.report.reading.network import Network
 
 TICK_COLUMNS = (
     "t",

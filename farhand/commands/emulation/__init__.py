@@ -1,0 +1,1 @@
+"""Commands about networks: the emulator, its live control, recorded delays."""

@@ -1,0 +1,1 @@
+"""`farhand runs`: the runs that lie in a folder, and those that may go."""

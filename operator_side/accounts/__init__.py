@@ -1,0 +1,1 @@
+"""What the operator's side tells: a report each tick, the newest ticks for a recorder, a result at the end."""
