@@ -1,4 +1,4 @@
-"""Programs beside a running operator: they watch, record, show, steer. Heavy modules are imported where they are used."""
+"""Programs beside a running operator: they watch, record, show, steer. Heavy modules are imported only where needed."""
 
 from pathlib import Path
 from typing import Annotated
