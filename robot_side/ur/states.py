@@ -91,6 +91,17 @@ def unready(facts: Facts) -> str:
     return ""
 
 
+def again(was: str) -> str:
+    """What is said once it can be driven again; empty where nothing stopped it.
+
+    A stop has other words from then on, so that whoever acknowledged it in vain before is not taken at that word now.
+
+    Args:
+        was: why it could not be driven.
+    """
+    return f"ready again, acknowledge to drive; it was stopped by: {was.partition(': ')[0]}" if was else ""
+
+
 def may_start(facts: Facts) -> bool:
     """Whether our program may be started now: nothing blocks, and nobody's runs or is paused."""
     return not blocked(facts) and int(facts.values["runtime_state"]) == STOPPED

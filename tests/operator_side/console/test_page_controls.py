@@ -168,6 +168,19 @@ def test_a_hidden_page_hears_no_gamepad(desk):
     desk.stays_still(0.4)
 
 
+def test_a_page_without_focus_says_that_it_reads_no_gamepad_where_there_is_one(desk):
+    desk.browser.run("dispatchEvent(new Event('blur'))")
+    desk.pause.wait(0.3)
+    assert "gamepad" not in desk.browser.text("sentence")  # none is there
+    desk.browser.run(PAD)
+    desk.until(lambda: "gamepad is not read" in desk.browser.text("sentence"), "it says so")
+    desk.browser.run(DEADMAN.format("true"))
+    desk.stays_still(0.3)
+    desk.browser.run("dispatchEvent(new Event('focus'))")
+    desk.until(lambda: "gamepad" not in desk.browser.text("sentence"), "it reads it again")
+    desk.stays_still(0.3)  # pressed while nobody read it
+
+
 def test_it_is_driven_by_the_keyboard_alone_and_everything_has_a_name(desk):
     desk.browser.run("document.querySelector('[data-act=up]').focus()")
     desk.begins(lambda: desk.browser.key("Space"), lambda: desk.browser.key("Space", down=False))
