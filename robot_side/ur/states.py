@@ -1,5 +1,6 @@
 """What keeps a UR arm from being driven, told from what its controller says; pure."""
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,7 +100,8 @@ def again(was: str) -> str:
     Args:
         was: why it could not be driven.
     """
-    return f"ready again, acknowledge to drive; it was stopped by: {was.partition(': ')[0]}" if was else ""
+    what = re.split("[:;] ", was)[0]  # without what to do
+    return f"ready again, acknowledge to drive; until now: {what}" if was else ""
 
 
 def may_start(facts: Facts) -> bool:

@@ -176,7 +176,7 @@ def rotated(orientation: Quaternion, vector: Vector3) -> Vector3:
 def _stop_of(state: RobotState) -> tuple[str, int, str] | None:
     """What an acknowledgement clears: this stop, or the want of a holder; None where there is nothing.
 
-    A stop that gives another reason is another one: a robot that could not be driven then can now, or the other way round.
+    A stop that gives another reason is another one: a robot that could not be driven then can now, or the reverse.
     The holder is no part of a stop: who lost control in silence asks for it by the same acknowledgement.
     """
     if state.mode in _LATCHED:

@@ -22,5 +22,5 @@ def test_what_stopped_it_is_said_until_it_is_over_and_then_once_that_it_is():
     assert says() == ""
     assert says(safety_mode=3).startswith("protective stop: look why")
     assert says(runtime_state=1).startswith("Farhand's program does not run")
-    assert says() == "ready again, acknowledge to drive; it was stopped by: protective stop"
+    assert says() == "ready again, acknowledge to drive; until now: protective stop"
     assert says() == ""
