@@ -123,6 +123,16 @@ def test_a_turning_step_is_measured_as_an_angle(desk):
     desk.browser.key("ArrowLeft", down=False)
 
 
+def presses(desk):
+    """Its button engages; again where a busy machine had the page just then late."""
+    desk.begins(lambda: desk.browser.run(DEADMAN.format("true")), lambda: rest(desk))
+
+
+def rest(desk):
+    desk.browser.run(DEADMAN.format("false"))
+    desk.pause.wait(0.2)
+
+
 def test_a_gamepad_drives_with_its_deadman_button_rumbles_and_stops_when_unplugged(desk):
     desk.browser.run(PAD)
     desk.pause.wait(0.2)
@@ -130,8 +140,7 @@ def test_a_gamepad_drives_with_its_deadman_button_rumbles_and_stops_when_unplugg
     desk.stays_still(0.3)  # no button, no motion
     desk.browser.run("window.pad.axes = [0, 0, 0, 0]")
     desk.pause.wait(0.1)
-    desk.browser.run(DEADMAN.format("true"))
-    desk.until(lambda: desk.engaged, "the button engages")
+    presses(desk)
     desk.browser.run("window.pad.axes = [0, -1, 0, 0]")
     desk.until(lambda: desk.operator.told[-1].linear == (0.0, 1.0, 0.0), "the stick is heard")
     desk.operator.report = {"desired": (0.0, 0.2, 0.0), "filtered": (0.0, 0.05, 0.0)}
@@ -150,17 +159,14 @@ def test_a_stick_off_its_middle_refuses_the_press_and_says_so(desk):
     desk.until(lambda: "off its middle" in desk.browser.text("sentence"), "it says why")
     desk.browser.run("window.pad.axes = [0, 0, 0, 0]")
     desk.stays_still(0.3)
-    desk.browser.run(DEADMAN.format("false"))
-    desk.pause.wait(0.2)
-    desk.browser.run(DEADMAN.format("true"))
-    desk.until(lambda: desk.engaged, "a fresh press engages")
+    rest(desk)
+    presses(desk)
 
 
 def test_a_hidden_page_hears_no_gamepad(desk):
     desk.browser.run(PAD)
     desk.pause.wait(0.2)
-    desk.browser.run(DEADMAN.format("true"))
-    desk.until(lambda: desk.engaged, "the button engages")
+    presses(desk)
     hidden = "Object.defineProperty(document, 'hidden', {value: %s, configurable: true});"
     desk.browser.run(hidden % "true" + "document.dispatchEvent(new Event('visibilitychange'))")
     desk.until(lambda: not desk.engaged, "it lets go")
