@@ -122,8 +122,8 @@ class Supervision:
         successor: the session to hand over to; 0: none.
         twins: whether two robots of one name send states.
         estop: whether somebody asked for an emergency stop that the robot has not confirmed yet.
-        clearing: the robot's mode and its count of stops, of the one stop that somebody asked to be acknowledged;
-            None: nobody did, or it is over.
+        clearing: the robot's mode, its count of stops and its reason, of the one stop that somebody asked to be
+            acknowledged; None: nobody did, or it is over, or has another reason.
     """
 
     def __init__(self, session: int, name: str) -> None:
@@ -133,11 +133,11 @@ class Supervision:
         self.successor = 0
         self.twins = False
         self.estop = False
-        self.clearing: tuple[SafetyMode, int] | None = None
+        self.clearing: tuple[SafetyMode, int, str] | None = None
 
     def clear(self, state: RobotState) -> None:
         """Acknowledge the stop that `state` shows, and no later one, until the robot has left it."""
-        self.clearing = state.mode, state.stops
+        self.clearing = state.mode, state.stops, state.reason
 
     def step(
         self, state: RobotState | None, lacking: str, steering: SteeringInput | None, now_ns: int
@@ -170,5 +170,5 @@ class Supervision:
             self._waited_for = holder_name(state)
         if state.holder != self.session or self.successor not in dict(state.waiting):
             self.successor = 0
-        if state.holder != self.session or (state.mode, state.stops) != self.clearing:
+        if state.holder != self.session or (state.mode, state.stops, state.reason) != self.clearing:
             self.clearing = None

@@ -157,6 +157,18 @@ def chosen_scenario(
     return at_the_rate_of_its_device(replace_settings(load_scenario(name), replaced))
 
 
+def settings_at(host: str | None, settings: list[str] | None) -> list[str]:
+    """What --set says, with --host: a model that is set is that of the arm behind it; raises InputError where empty."""
+    said = settings or []
+    if host is None:
+        return said
+    if not host:
+        raise InputError("--host: is empty; give the address of the arm's controller")
+    keys = dict(parse_setting(setting) for setting in said)
+    kind = keys.get("robot.kind", "ur" if "robot.model" in keys else "")
+    return [f"robot.host={host}", "robot.kind=ur", *said] if kind == "ur" else said
+
+
 def on_a_real_arm(scenario: "Scenario", host: str, model: str = "") -> "Scenario":
     """The scenario with the real UR arm behind `host` in place of its own; raises InputError where that is no UR."""
     from farhand.runs.scenario import replace_settings

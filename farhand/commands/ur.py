@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import JsonOption, SetOption, chosen_scenario, on_a_real_arm
+from farhand.commands.options import JsonOption, SetOption, chosen_scenario, on_a_real_arm, settings_at
 from farhand.common.errors import InputError
 
 ur_app = typer.Typer(
@@ -97,7 +97,7 @@ def check(
         raise typer.Exit(run_check(host, None, UrSettings(), lag, as_json))
     if scenario and model:
         raise InputError("ur check: give either --scenario or --model; a scenario has a model")
-    chosen = chosen_scenario(scenario or "ur5-obstacle", settings)
+    chosen = chosen_scenario(scenario or "ur5-obstacle", settings_at(host, settings))
     chosen = on_a_real_arm(chosen, host, model)
     own: UrSettings = checked_settings(chosen.robot.own.get("ur", {}), UrRobot, "robot.ur")
     raise typer.Exit(run_check(host, chosen_arm(chosen.robot), own, chosen.robot.lag, as_json))
@@ -126,8 +126,7 @@ def recover(
 def _address(host: str) -> str:
     from farhand.robot_side.ur.settings import address_of
 
-    if not host:
-        raise InputError("--host: is empty; give the address of the arm's controller")
+    settings_at(host, None)
     return address_of(host)
 
 

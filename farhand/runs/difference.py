@@ -19,7 +19,10 @@ _COMPARED = (
 def difference(robot: RobotDescription, scenario: Scenario) -> str:
     """One line for the operator, or an empty string where both say the same."""
     found = []
-    if robot.kind != scenario.robot.kind:
+    same_arm = (
+        robot.model != "" and robot.model == scenario.robot.known_model
+    )  # a real one, in place of a simulated
+    if robot.kind != scenario.robot.kind and not same_arm:
         found.append(f"robot.kind {robot.kind} (here {scenario.robot.kind})")
     for name, section, unit in _COMPARED:
         there, here = getattr(robot, name), getattr(getattr(scenario, section), name)

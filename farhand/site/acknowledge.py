@@ -14,7 +14,7 @@ from farhand.common.link.requests import Request, refusal
 from farhand.common.messages.keys import acknowledge_key, command_key, state_key
 from farhand.common.process.signals import say
 from farhand.common.timing.clock import SystemClock, to_ns
-from farhand.site.clearing import LATCHED, SETTLE_NS, Clearing, why_not
+from farhand.site.clearing import LATCHED, SETTLE_NS, Clearing, still_stopped, why_not
 from farhand.site.desk import GIVE_UP_NS, OperatorDesk
 from farhand.site.reach import reaching
 
@@ -27,7 +27,7 @@ class AcknowledgeServer(OperatorDesk):
     """The operator's half of `farhand acknowledge`."""
 
     name = "acknowledge"
-    _reason = ""
+    _reason, _stops = "", 0
     _begun_ns = 0
     _cleared_ns: int | None = None
 
@@ -58,7 +58,8 @@ class AcknowledgeServer(OperatorDesk):
         if not self._has_done(lambda node: node.acknowledge(), request):
             return
         self._say(f"acknowledges, asked for by `farhand acknowledge`: {state.reason}")
-        self._reason, self._begun_ns, self._cleared_ns = state.reason, now_ns, None
+        self._reason, self._stops = state.reason, state.stops
+        self._begun_ns, self._cleared_ns = now_ns, None
 
     def _follow(self, now_ns: int) -> None:
         node, state = self._node, self._node.state
@@ -68,7 +69,7 @@ class AcknowledgeServer(OperatorDesk):
         elif state is None or state.holder != node.session:
             self._answer(refusal("control was lost meanwhile"))
         elif state.mode in LATCHED:
-            self._answer(refusal(f"the robot stopped again: {state.reason}"))
+            self._answer(refusal(still_stopped(state, self._stops)))
         elif self._cleared_ns is None:
             self._cleared_ns = now_ns
         elif now_ns - self._cleared_ns >= SETTLE_NS:

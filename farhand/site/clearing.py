@@ -35,6 +35,18 @@ def why_not(state: RobotState | None, session: int) -> str:
     return ""
 
 
+def still_stopped(state: RobotState, stops: int) -> str:
+    """Why an acknowledgement is over though the robot is in a stop.
+
+    Args:
+        state: the robot's newest.
+        stops: its count of them when it was acknowledged.
+    """
+    if state.stops == stops:
+        return f"it was acknowledged too early; the robot says now: {state.reason}"
+    return f"the robot stopped again: {state.reason}"
+
+
 class Clearing:
     """What `farhand acknowledge` knows, sends and decides; told by Zenoh's threads, stepped by one loop.
 
@@ -140,8 +152,9 @@ class Clearing:
         if state.holder not in (0, self._session):
             self._end(f"{holder_name(state)} took control meanwhile")
             return None
-        if state.mode in LATCHED and (state.stops != self._stops or self._left_ns is not None):
-            self._end(f"the robot stopped again: {state.reason}")
+        left = self._left_ns is not None
+        if state.mode in LATCHED and (left or (state.stops, state.reason) != (self._stops, self.cleared)):
+            self._end(still_stopped(state, self._stops))
             return self._command("release", now_ns)
         if state.mode in LATCHED:
             return self._command("acknowledge", now_ns)

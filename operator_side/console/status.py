@@ -122,7 +122,7 @@ def _lost(now: Situation) -> Iterator[Reason]:
     elif now.state_age > LOST_AFTER:
         yield Reason(
             "link lost",
-            f"No news from the robot for {now.state_age:.1f} s. Driving is locked.",
+            f"{_no_news(now.state, now.state_age)}. Driving is locked.",
             f"{_OUTAGE if now.outage else ''}It unlocks by itself when the robot is heard again; then press anew.",
         )
     if now.frozen:
@@ -137,13 +137,22 @@ def _late(now: Situation) -> Iterator[Reason]:
     """What is not known any more, before anything is locked."""
     if lost(now):
         return
-    for age, whom in ((now.report_age, "operator's program"), (now.state_age, "robot")):
+    state_late = _no_news(now.state, now.state_age) if now.state is not None else ""
+    of_program = f"Nothing from the operator's program for {now.report_age:.1f} s"
+    for age, what in ((now.report_age, of_program), (now.state_age, state_late)):
         if age > LATE_AFTER:
             yield Reason(
                 "link lost",
-                f"Nothing from the {whom} for {age:.1f} s: what the robot does now is not known.",
+                f"{what}: what the robot does now is not known.",
                 f"{_OUTAGE if now.outage else ''}Driving locks after {LOST_AFTER:g} s.",
             )
+
+
+def _no_news(state: RobotState, age: float) -> str:
+    """Of whom there is no news: of the robot's program, or it is heard and has none itself, and says why."""
+    if age - state.sample_age > LATE_AFTER:
+        return f"No news from the robot for {age:.1f} s"
+    return f"The robot's program has no news of the arm for {age:.1f} s ({state.reason})"
 
 
 def _stopped(now: Situation) -> Iterator[Reason]:

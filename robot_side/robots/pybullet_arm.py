@@ -51,6 +51,7 @@ class ArmWorld:
             raise ScenarioError(f"scenario {scenario.name}: {error}") from None
         self.kinematics = Kinematics(self.arm)
         self._q = _start_configuration(self.kinematics, scenario) if q is None else q
+        self._stands_there = q is not None
         self._chain = ArmChain(self.arm)
         self._chain.at(self._q, np.zeros(self.arm.n))
         # what was found where the clearance was asked for last, and of which obstacles; None: which may have changed
@@ -144,9 +145,11 @@ class ArmWorld:
         for one, other in self._colliding_pairs:
             a, b = self.link_indices[one], self.link_indices[other]
             if bullet.getClosestPoints(self.body, self.body, 0.0, a, b, physicsClientId=client):
+                way_out = "choose another start, or other robot.joints to start the search from"
+                if self._stands_there:
+                    way_out = "the arm stands so: move it at the pendant"
                 raise ScenarioError(
-                    f"scenario {scenario.name}: start: {one} and {other} of the {self.arm.title} touch there; "
-                    "choose another start, or other robot.joints to start the search from"
+                    f"scenario {scenario.name}: start: {one} and {other} of the {self.arm.title} touch there; {way_out}"
                 )
         nearest = self._obstacles.nearest(scenario.obstacles)
         if nearest is not None and nearest[0] <= 0.0:

@@ -24,7 +24,7 @@ from farhand.robot_side.ur.attention import Attention
 from farhand.robot_side.ur.deadline import measured_deadline
 from farhand.robot_side.ur.link import UrLink
 from farhand.robot_side.ur.settings import UrSettings, address_of
-from farhand.robot_side.ur.states import STALE, Facts, slowed, unready
+from farhand.robot_side.ur.states import STALE, Facts, again, slowed, unready
 
 BRAKING_AT_THE_END = 0.5
 """s that an arm may take to brake when Farhand ends."""
@@ -63,6 +63,7 @@ class UrRobot(Robot):
         self.joint_names, self.model = arm.joint_names, arm.name
         self._attention = Attention(own)
         self._ready = False
+        self._was = ""  # what stopped it, since it could be driven last
 
     @classmethod
     def for_scenario(cls, scenario: RobotScenario) -> "UrRobot":
@@ -108,8 +109,10 @@ class UrRobot(Robot):
         self._ready = not why
         if why:
             self._follower.forget()
+            self._was = self._was or why
             return why
-        return self._attention.calls(self._facts.values)
+        was, self._was = self._was, ""
+        return self._attention.calls(self._facts.values) or again(was)
 
     def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
         """One period of `dt` s under the commanded twist."""

@@ -68,6 +68,7 @@ class Watchdog:
         self._stop_timeout_ns = to_ns(settings.stop_timeout)
         self._player = PlanPlayer()
         self._newest_seq: OrderedDict[int, int] = OrderedDict()
+        self._estop_reason = ""
         self._stopped_ns = 0  # since when the latched stop is there
         self._good_ns: int | None = None  # the last good command; None while nobody is expected to send
         self.lease = ControlLease(to_ns(settings.lease_timeout))
@@ -107,7 +108,8 @@ class Watchdog:
         """Judge one decoded command and obey it if it is good; whether it was obeyed."""
         if command.mode == "estop":
             if self.mode != "estop":
-                self._stop("estop", f"emergency stop by {command.source}", now_ns)
+                self._estop_reason = f"emergency stop by {command.source}"
+                self._stop("estop", self._estop_reason, now_ns)
             return True
         refusal = self._judge(command, now_ns)
         if refusal:
@@ -128,9 +130,12 @@ class Watchdog:
     def block(self, why: str, now_ns: int) -> None:
         """The robot itself says that it cannot move: stopped, by what it says now; called for as long as it says so.
 
-        Only an acknowledgement that is built on a state from after the last call leads on.
+        Only an acknowledgement that is built on a state from after the last call leads on. What it says is the
+        reason, after that of an emergency stop: an acknowledgement counts for the reason that was seen.
         """
-        if self.mode != "estop":
+        if self.mode == "estop":
+            self._enter("estop", f"{self._estop_reason}; {why}"[:512], now_ns)
+        else:
             self._stop("stopped", why[:512], now_ns)
         self._stopped_ns = now_ns
 

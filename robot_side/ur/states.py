@@ -1,5 +1,6 @@
 """What keeps a UR arm from being driven, told from what its controller says; pure."""
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,6 +90,18 @@ def unready(facts: Facts) -> str:
     if facts.answer_age > STALE:
         return f"Farhand's program on the controller has been silent for {facts.answer_age:.1f} s: is it another's now?"
     return ""
+
+
+def again(was: str) -> str:
+    """What is said once it can be driven again; empty where nothing stopped it.
+
+    A stop has other words from then on, so that whoever acknowledged it in vain before is not taken at that word now.
+
+    Args:
+        was: why it could not be driven.
+    """
+    what = re.split("[:;] ", was)[0]  # without what to do
+    return f"ready again, acknowledge to drive; until now: {what}" if was else ""
 
 
 def may_start(facts: Facts) -> bool:

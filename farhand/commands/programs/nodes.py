@@ -23,6 +23,7 @@ from farhand.commands.options import (
     TlsOption,
     chosen_scenario,
     on_a_real_arm,
+    settings_at,
 )
 
 if TYPE_CHECKING:
@@ -114,11 +115,11 @@ def robot(
     listen: ListenOption = None,
     name: Annotated[str, typer.Option("--robot", help="Name of the robot, part of its keys.")] = "ur5",
     host: Annotated[
-        str,
+        str | None,
         typer.Option(
             help="Controller of a real UR arm: drive that, in place of the scenario's UR (docs/ur.md)."
         ),
-    ] = "",
+    ] = None,
     guard: GuardOption = None,
     settings: SetOption = None,
     result: Annotated[Path | None, typer.Option(help="Write the results to this JSON file.")] = None,
@@ -131,8 +132,8 @@ def robot(
     from farhand.common.process.outputs import check_writable
     from farhand.programs.robot import RobotOptions, robot_program
 
-    chosen = chosen_scenario(scenario, settings, guard=guard)
-    if host:
+    chosen = chosen_scenario(scenario, settings_at(host, settings), guard=guard)
+    if host is not None:
         chosen = on_a_real_arm(chosen, host)
     check_writable(result, "--result")
     options = RobotOptions(robot=name, result=result, realtime=realtime)

@@ -32,6 +32,8 @@ from farhand.robot_side.ur.states import (
 LOOK_EVERY = 0.1
 BETWEEN = 1.0
 """s between two tries of the same."""
+NEVER_HEARD = 30.0
+"""s without a word from an address from which none came before: nothing boots there that was stopped."""
 POWER_OFF, POWER_ON, IDLE = 3, 4, 5
 POWERING = ("power on", "brake release")
 
@@ -115,18 +117,17 @@ def _walk(
     client: RtdeClient, host: str, clock: SystemClock, patience: float, confirm: Callable[[], bool]
 ) -> int:
     said, confirmed = "", set[str]()
-    end_ns = clock.now_ns() + to_ns(patience)
-    tried_ns = 0
+    since_ns, tried_ns, heard = clock.now_ns(), 0, False
     while True:
         facts = _look(client, host, clock)
-        if facts is None:
-            step = Step("wait", f"no connection to the controller: {client.trouble}")
-        else:
-            step = next_step(facts)
+        heard = heard or facts is not None
+        within = patience if heard else min(patience, NEVER_HEARD)
+        lost = Step("wait", f"no connection to the controller: {client.trouble}; waiting for it")
+        step = lost if facts is None else next_step(facts)
         if step.said != said:
             said = step.said
             say("ur recover", step.said)
-            end_ns = clock.now_ns() + to_ns(patience)
+            since_ns = clock.now_ns() if heard else since_ns
         if step.kind == "done":
             say(
                 "ur recover",
@@ -134,8 +135,8 @@ def _walk(
             )
             return 0
         now_ns = clock.now_ns()
-        if now_ns > end_ns:
-            say("ur recover", f"given up after {patience:g} s: {step.said}")
+        if now_ns - since_ns > to_ns(within):
+            say("ur recover", f"given up after {within:g} s; farhand ur check --host {host} looks closer")
             return 1
         if step.kind == "do":
             about = "power" if step.command in POWERING else step.command

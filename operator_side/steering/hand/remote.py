@@ -58,7 +58,7 @@ class Remote(SteeringDevice):
             int, int
         ] = {}  # of each session, the least time under way, but for a constant (ns)
         self._estop_ns: int | None = None  # when one that the robot has not latched yet was asked for
-        self._clears: tuple[str, int] | None = None  # the stop that is being acknowledged
+        self._clears: tuple[str, int, str] | None = None  # the stop that is being acknowledged
 
     def listen(self, link: Link) -> None:
         """Take steering from there on from a link, of which no other class of message comes."""
@@ -173,14 +173,15 @@ def rotated(orientation: Quaternion, vector: Vector3) -> Vector3:
     )
 
 
-def _stop_of(state: RobotState) -> tuple[str, int] | None:
+def _stop_of(state: RobotState) -> tuple[str, int, str] | None:
     """What an acknowledgement clears: this stop, or the want of a holder; None where there is nothing.
 
+    A stop that gives another reason is another one: a robot that could not be driven then can now, or the reverse.
     The holder is no part of a stop: who lost control in silence asks for it by the same acknowledgement.
     """
     if state.mode in _LATCHED:
-        return (state.mode, state.stops)
-    return ("free", 0) if state.holder == 0 else None
+        return (state.mode, state.stops, state.reason)
+    return ("free", 0, "") if state.holder == 0 else None
 
 
 def _at_most_one(vector: Vector3) -> Vector3:

@@ -45,6 +45,11 @@ def refused(capsys, *words):
         (("ur", "recover", "--host", ""), "--host: is empty"),
         (("ur", "recover", "--host", "no.such.host.invalid"), "no address is known by that name"),
         (("robot", "--host", "127.0.0.1", "--scenario", "panda-obstacle"), "has no UR arm"),
+        (("robot", "--host", ""), "--host: is empty"),
+        (
+            ("robot", "--host", "127.0.0.1", "--set", "robot.model=ur10e"),
+            "model 'ur10e': its shape is not known here",
+        ),
         (
             (
                 "simulate",

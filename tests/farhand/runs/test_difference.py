@@ -23,6 +23,13 @@ def test_every_difference_is_named_with_both_values():
         assert "\n" not in changed
 
 
+def test_a_real_arm_in_place_of_the_scenarios_own_is_no_other_robot():
+    scenario = load_scenario("ur5-obstacle")
+    here = {"rate_hz": scenario.robot.rate_hz, "lag": scenario.robot.lag, "radius": scenario.robot.radius}
+    assert "robot.kind" not in difference(description(kind="ur", model="ur5", **here), scenario)
+    assert "robot.kind ur (here ur5)" in difference(description(kind="ur", model="ur10", **here), scenario)
+
+
 def test_another_scene_is_named_and_where_a_moving_obstacle_is_by_now_is_no_difference():
     scenario = load_scenario("point-obstacle")
     (ball,) = scenario.obstacles[:1]

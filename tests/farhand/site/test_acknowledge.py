@@ -22,8 +22,8 @@ DRIVE = SteeringInput((0.1, 0.0, 0.0), engaged=True)
 SECOND = 1_000_000_000
 
 
-def stopped(seq=0, mode="estop", **fields):
-    return state(seq, mode=mode, reason="emergency stop by bob", **fields)
+def stopped(seq=0, mode="estop", reason="emergency stop by bob", **fields):
+    return state(seq, mode=mode, reason=reason, **fields)
 
 
 @pytest.mark.parametrize(
@@ -57,6 +57,9 @@ def test_the_operator_acknowledges_the_stop_that_it_was_asked_about_and_no_other
     [
         stopped(2, stops=2),  # it had left the stop, and is in the next one
         stopped(2, stops=1, mode="stopped"),
+        stopped(
+            2, stops=1, reason="ready again, acknowledge to drive"
+        ),  # it could not have been driven before
         stopped(2, stops=1, holder=8, holder_name="bob"),
     ],
 )
@@ -110,6 +113,10 @@ def test_the_operators_program_says_what_it_cleared_once_the_robot_has_been_out_
     ("then", "why"),
     [
         ({"clearing": False, "state": stopped(2, stops=1)}, "stopped again: emergency stop by bob"),
+        (
+            {"clearing": False, "state": stopped(2, reason="ready again")},
+            "too early; the robot says now: ready",
+        ),
         ({"clearing": False, "state": stopped(2, holder=8, holder_name="bob")}, "control was lost"),
         ({}, "has not confirmed it"),
     ],

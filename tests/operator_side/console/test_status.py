@@ -27,6 +27,9 @@ BEGUN = Shortfall(0.0, 0.15, "m/s", lasting=False)
 STANDS, CRAWLS = (Shortfall(done, 0.15, "m/s", lasting=True) for done in (0.0, 0.03))
 ESTOP = state(mode="estop", reason="by o")
 UNHEARD = report(mode="hold", stop_reason=NOT_ENGAGED)
+CUT = state(
+    mode="stopped", reason="no state from the controller", t_sent_ns=5_000_000_000, t_sample_ns=2_900_000_000
+)
 EDGE = state(held_by="the edge of its reach")
 TURNED = msgspec.structs.replace(SLOWED, filtered=(0.15, 0.0, 0.13))
 
@@ -42,6 +45,8 @@ def situation(**more):
         (situation(report_age=1.5), "link lost", "1.5 s"),
         (situation(state=None), "link lost", "Nothing has come"),
         (situation(state_age=2.0, driver="page 1"), "link lost", "2.0 s"),
+        (situation(state=CUT, state_age=2.1), "link lost", "no news of the arm for 2.1 s (no state from"),
+        (situation(state=CUT, state_age=2.8), "link lost", "No news from the robot for 2.8 s."),
         (situation(state=state(mode="estop", reason="emergency stop by the operator")), "e-stop", "by the operator"),
         (situation(state=state(mode="stopped", reason="fault: x")), "stopped", "fault: x"),
         (situation(report=report(stop_reason="anna holds control; waiting")), "taken", "anna"),

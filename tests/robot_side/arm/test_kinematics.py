@@ -10,7 +10,7 @@ from farhand.common.seeds import stream
 from farhand.robot_side.arm.kinematics import Kinematics, rotation_error
 from farhand.robot_side.arm.model import model
 from farhand.robot_side.robots import pybullet_arm
-from farhand.robot_side.robots.pybullet_arm import ArmRobot
+from farhand.robot_side.robots.pybullet_arm import ArmRobot, ArmWorld
 from farhand.robot_side.robots.registry import make_robot
 from farhand.runs.scenario import load_scenario, replace_setting
 
@@ -132,6 +132,11 @@ def test_self_collision_at_the_start_is_refused(monkeypatch):
     monkeypatch.setattr("farhand.robot_side.robots.pybullet_arm._start_configuration", lambda *_: folded)
     with pytest.raises(ScenarioError, match=r"start: \w+ and \w+ of the UR5 touch there"):
         make_robot(SCENARIO)
+
+
+def test_of_an_arm_that_stands_so_itself_it_is_said_where_to_move_it():
+    with pytest.raises(ScenarioError, match=r"touch there; the arm stands so: move it at the pendant"):
+        ArmWorld(SCENARIO, np.array([0.0, -1.57, 3.0, 1.2, 0.0, 0.0]))
 
 
 def test_arm_clearance_follows_what_it_is_asked_about(robot):

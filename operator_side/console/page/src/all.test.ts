@@ -12,3 +12,4 @@ import "./repeat.test.ts";
 import "./shapes.test.ts";
 import "./step.test.ts";
 import "./stick.test.ts";
+import "./world.test.ts";

@@ -1,6 +1,6 @@
 // Keys, buttons, sticks and gamepad into the hand. What is held when it may not count does not count later either.
 import { element } from "./dom.ts";
-import { Pad, rumble } from "./gamepad.ts";
+import { Pad, rumble, UNREAD } from "./gamepad.ts";
 import { type Act, type Hand, KEYS, type Six } from "./hand.ts";
 import { sliderShare, stickShares } from "./stick.ts";
 import type { Report } from "./told.ts";
@@ -47,9 +47,10 @@ export class Controls {
     if (document.hidden || this.away) {
       this.pad.forget(); // what is down when somebody looks again was pressed before
       this.release("gamepad");
+      this.said = !document.hidden && this.seat.mine() && plugged() ? UNREAD : "";
       return;
     }
-    const found = navigator.getGamepads().find((each) => each?.connected) ?? null;
+    const found = plugged();
     const { held, six, said } = this.pad.read(found);
     const now = performance.now();
     if (said) this.saidAt = now;
@@ -63,7 +64,7 @@ export class Controls {
     const strength = report && this.hand.engaged ? rumble(report.desired, report.filtered) : 0;
     const now = performance.now();
     if (strength < 0.05 || now - this.rumbledAt < RUMBLE_MS * 0.8) return;
-    const pad = navigator.getGamepads().find((each) => each?.connected);
+    const pad = plugged();
     if (!pad?.vibrationActuator) return;
     this.rumbledAt = now;
     void pad.vibrationActuator
@@ -171,6 +172,11 @@ export class Controls {
     }
     element("pads").classList.toggle("locked", !this.seat.mine());
   }
+}
+
+/** The gamepad that is there; null: none is. */
+function plugged(): Gamepad | null {
+  return navigator.getGamepads().find((each) => each?.connected) ?? null;
 }
 
 /** A stick's axes by its name. */

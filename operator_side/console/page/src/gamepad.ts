@@ -15,6 +15,7 @@ export interface Grip {
   said: string;
 }
 
+export const UNREAD = "The gamepad is not read: this page has lost the focus. Click on it, then press the shoulder button anew.";
 const DEADMEN = [4, 5]; // the shoulder buttons of the standard layout
 const [DOWN, UP, ROLL_LEFT, ROLL_RIGHT] = [6, 7, 14, 15];
 const DEAD = 0.15;

@@ -94,7 +94,9 @@ export class Panel {
     const share = (metres: number) => `${Math.max(0, Math.min(100, (100 * metres) / FULL)).toFixed(1)}%`;
     if (fill instanceof HTMLElement) fill.style.width = share(least?.value ?? 0);
     if (margin instanceof HTMLElement) margin.style.width = share(least?.kept ?? 0);
-    if (mark instanceof HTMLElement) mark.style.left = share(least?.limit ?? 0);
+    if (!(mark instanceof HTMLElement)) return;
+    mark.hidden = least === null; // at the left end it would say that the limit is zero
+    mark.style.left = share(least?.limit ?? 0);
   }
 
   private link(told: FrameTold, lost: boolean, before: string | null): void {

@@ -20,6 +20,12 @@ test("a frozen camera comes before what moves, and after what stops", () => {
   assert.deepEqual(pills(pageReasons(known, [reason("e-stop"), reason("ready")])), ["e-stop", "held", "ready"]);
 });
 
+test("a frozen camera is said once, where console and page both know of it", () => {
+  const known = { ...NOTHING, camera: "The camera has been frozen for 3 s. Driving is locked." };
+  const twice = { pill: "held", what: "The camera shows nothing new for 2.9 s. Driving is locked.", clears: "" };
+  assert.deepEqual(pills(pageReasons(known, [reason("link lost"), twice])), ["link lost", "held"]);
+});
+
 test("what is held down and does not count any more is said for as long as it is held, with what to do", () => {
   const [first] = pageReasons({ ...NOTHING, cut: "this page was not heard for a moment", inVain: true }, [reason("ready")]);
   assert.deepEqual([first?.pill, first?.what], ["held", "Let go by itself: this page was not heard for a moment; let go and press anew."]);

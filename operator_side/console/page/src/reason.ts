@@ -31,6 +31,7 @@ export function pageReasons(known: Known, told: Reason[]): Reason[] {
         clears: "It is found again by itself; then press anew.",
       },
     ];
+  if (known.camera) told = told.filter((each) => !each.what.startsWith("The camera shows nothing new")); // said by the page itself
   const worse = told.filter((each) => WORSE.includes(each.pill) || each.what.endsWith("Driving is locked."));
   const rest = told.filter((each) => !worse.includes(each));
   const own: Reason[] = [];

@@ -141,11 +141,17 @@ export class World {
     this.findDangers(told, live);
   }
 
+  /** Whether the robot has latched a stop: then it follows no plan, and no wish. */
+  private get stopped(): boolean {
+    const mode = this.told?.state?.mode;
+    return mode === "stopped" || mode === "estop";
+  }
+
   /** Where the ghost goes: the prediction, and at once a little of what is wished, turning too. */
   private aim(at: Vector3, orientation: Quaternion, tool: Quaternion, dt: number): { position: Vector3; orientation: Quaternion } {
     const velocity = new Vector3();
     const spin = new Vector3();
-    if (this.wish && !this.told?.stands) {
+    if (this.wish && !this.told?.stands && !this.stopped) {
       const { axes, frame, scale, view } = this.wish;
       velocity
         .set(...axes.linear)
@@ -202,8 +208,7 @@ export class World {
 
   /** The committed path, and a word at its end where that is somewhere else. */
   private findPath(told: FrameTold): void {
-    const stopped = told.state?.mode === "stopped" || told.state?.mode === "estop"; // then it follows no plan
-    const path = this.live && !stopped ? told.path.map((at) => new Vector3(...at)) : [];
+    const path = this.live && !this.stopped ? told.path.map((at) => new Vector3(...at)) : [];
     const length = path.reduce((sum, at, k) => sum + at.distanceTo(path[k - 1] ?? at), 0);
     this.path = length > SEEN ? path : [];
     const end = this.path.at(-1);

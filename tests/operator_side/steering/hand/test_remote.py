@@ -140,6 +140,14 @@ def test_an_acknowledgement_counts_for_the_stop_that_was_there():
     assert not hand.wants(mode="stopped", stops=1).acknowledge
 
 
+def test_one_given_while_the_robot_cannot_be_driven_counts_no_more_once_it_can():
+    stop = {"mode": "stopped", "stops": 1}
+    hand = Hand().says(acknowledge=True)
+    assert hand.wants(reason="protective stop: look why", **stop).acknowledge
+    assert not hand.wants(reason="ready again", **stop).acknowledge
+    assert hand.says(acknowledge=True).wants(reason="ready again", **stop).acknowledge
+
+
 @pytest.mark.parametrize(
     ("wish", "velocity", "angular"),
     [
