@@ -47,8 +47,8 @@ needs_build() {
 future=$python
 ! stays || future=.venv/bin/python
 if needs_build "$future"; then
-    echo "farhand: pybullet has no wheel for Python $(version "$future"): it is built from its source, once, in 5 to 10 minutes,"
-    echo "farhand: and kept in $kept; with Python 3.11 (make PYTHON=python3.11) nothing has to be built"
+    echo "farhand: pybullet has no wheel for Python $(version "$future"): it is built from its source, once, in 5 to 10 minutes"
+    echo "farhand: (longer on a busy machine; nothing is printed meanwhile), and kept in $kept; with Python 3.11 (make PYTHON=python3.11) nothing has to be built"
     needed="on Debian and Ubuntu: apt install g++ python$(version "$future")-dev"
     command -v c++ >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 || fail "building pybullet needs a C++ compiler; $needed"
     "$future" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' \
@@ -67,7 +67,7 @@ fi
 extras="[gamepad]"
 [ "${1:-}" != tests ] || extras="[dev,dask,parquet,gamepad,spacemouse]"
 what="1.3 GB"
-[ "${1:-}" != tests ] || what="1.8 GB, with what tests and checks need"
+[ "${1:-}" != tests ] || what="1.9 GB, with what tests and checks need"
 echo "farhand: installing the pinned dependencies into .venv ($what; one to four minutes the first time)"
 pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
 # Environments that were made before had only the UR5's description left.
