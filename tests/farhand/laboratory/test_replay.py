@@ -85,7 +85,8 @@ def test_side_by_side_as_csv_and_json(recordings, tmp_path, capsys):
     assert run_cli(arguments) == 0
     found = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert found["changed"]
-    assert float(found["side_by_side"]["largest sigma (m)"][1]) > 0.1
+    adaptive, paper = map(float, found["side_by_side"]["largest margin (m)"])
+    assert 0.0 < adaptive < 0.1 < paper
     with out.open() as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == found["ticks"]
