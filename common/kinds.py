@@ -99,22 +99,23 @@ class Kinds(Generic[T]):
     def __contains__(self, name: object) -> bool:
         return name in self._built_in or name in self._added or name in self._entry_points()
 
-    def get(self, name: str, where: str = "") -> T:
+    def get(self, name: str, where: str = "", beside: tuple[str, ...] = ()) -> T:
         """The kind of that name.
 
         Args:
             name: which.
             where: what asks, for the message, e.g. "margin.kind" or "--margin".
+            beside: what else that place takes, for the message.
 
         Raises:
             InputError: no such kind; or an installed package's cannot be imported, is none, or its name is taken or
                 none that can be written.
         """
         if name not in self._loaded:
-            self._loaded[name] = self._load(name, where)
+            self._loaded[name] = self._load(name, where, beside)
         return self._loaded[name]
 
-    def _load(self, name: str, where: str) -> T:
+    def _load(self, name: str, where: str, beside: tuple[str, ...]) -> T:
         points = self._entry_points().get(name, [])
         if name in self._built_in:
             if points:
@@ -124,7 +125,7 @@ class Kinds(Generic[T]):
             built_in: T = _import(self._built_in[name])
             return built_in
         if not points:
-            raise InputError(self._unknown(name, where) + self.ill_named())
+            raise InputError(self._unknown(name, where, beside) + self.ill_named())
         if len(points) > 1:
             raise InputError(
                 f"{_brought(points)}: {self.group}: each brings a {self.what} {name!r}; remove one"
@@ -155,11 +156,12 @@ class Kinds(Generic[T]):
                 into.setdefault(point.name, []).append(point)
         return self._outside
 
-    def _unknown(self, name: str, where: str) -> str:
-        close = difflib.get_close_matches(name, self.names(), n=1)
+    def _unknown(self, name: str, where: str, beside: tuple[str, ...]) -> str:
+        there = (*self.names(), *beside)
+        close = difflib.get_close_matches(name, there, n=1)
         hint = f"is {close[0]!r} meant? " if close else ""
         place = f"{where} {name!r}" if where else repr(name)
-        return f"{place}: no such {self.what}; {hint}there are {', '.join(self.names())}"
+        return f"{place}: no such {self.what}; {hint}there are {', '.join(there)}"
 
 
 def _import(path: str) -> Any:

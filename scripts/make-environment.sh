@@ -29,41 +29,45 @@ fi
 "$python" -c 'import venv, ensurepip' >/dev/null 2>&1 \
     || fail "$python has no venv module; on Debian: apt install python$(version "$python")-venv"
 
-# Before anything is installed, what may be wanting to build pybullet.
+stays() {
+    [ -x .venv/bin/python ] && suits .venv/bin/python && .venv/bin/python -m pip --version >/dev/null 2>&1 || return 1
+    [ -z "${PYTHON:-}" ] || [ "$(version .venv/bin/python)" = "$(version "$python")" ]
+}
+
+pinned=$(sed -n 's/^\(pybullet==[0-9.]*\).*/\1/p' requirements.lock)
+
+# A kept wheel of another version is none: pip would not take it, and build anew, without a word and for itself alone.
 needs_build() {
     case $(version "$1") in 3.10 | 3.11) return 1 ;; esac
     tag=cp$(version "$1" | tr -d .)
-    ! ls "$kept"/pybullet-*-"$tag"-*.whl >/dev/null 2>&1
+    ! ls "$kept"/pybullet-"${pinned#*==}"-"$tag"-*.whl >/dev/null 2>&1
 }
 
-if needs_build "$python"; then
-    echo "farhand: pybullet has no wheel for Python $(version "$python"): it is built from its source, once, in 5 to 10 minutes,"
-    echo "farhand: and kept in $kept; with Python 3.11 (make PYTHON=python3.11) nothing has to be built"
-    command -v c++ >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 \
-        || fail "building pybullet needs a C++ compiler; on Debian and Ubuntu: apt install g++ python3-dev"
-    "$python" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' \
-        || fail "building pybullet needs the headers of Python $(version "$python"); on Debian and Ubuntu: apt install g++ python3-dev"
+# Before anything is installed or taken away, what may be wanting to build pybullet.
+future=$python
+! stays || future=.venv/bin/python
+if needs_build "$future"; then
+    echo "farhand: pybullet has no wheel for Python $(version "$future"): it is built from its source, once, in 5 to 10 minutes"
+    echo "farhand: (longer on a busy machine; nothing is printed meanwhile), and kept in $kept; with Python 3.11 (make PYTHON=python3.11) nothing has to be built"
+    needed="on Debian and Ubuntu: apt install g++ python$(version "$future")-dev"
+    command -v c++ >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 || fail "building pybullet needs a C++ compiler; $needed"
+    "$future" -c 'import os, sys, sysconfig; sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' \
+        || fail "building pybullet needs the headers of Python $(version "$future"); $needed"
 fi
 
-if [ -x .venv/bin/python ]; then
-    if ! suits .venv/bin/python || ! .venv/bin/python -m pip --version >/dev/null 2>&1 || { [ -n "${PYTHON:-}" ] && [ "$(version .venv/bin/python)" != "$(version "$python")" ]; }; then
-        rm -rf .venv
-    fi
-fi
-[ -x .venv/bin/python ] || { rm -rf .venv; "$python" -m venv .venv; }
+stays || { rm -rf .venv; "$python" -m venv .venv; }
 
 pip() { .venv/bin/python -m pip "$@" -qq --disable-pip-version-check; }
 
 if needs_build .venv/bin/python; then
     mkdir -p "$kept"
-    pinned=$(sed -n 's/^\(pybullet==[0-9.]*\).*/\1/p' requirements.lock)
     pip wheel --no-deps --wheel-dir "$kept" "$pinned" || fail "pybullet could not be built; $advice"
 fi
 
 extras="[gamepad]"
 [ "${1:-}" != tests ] || extras="[dev,dask,parquet,gamepad,spacemouse]"
 what="1.3 GB"
-[ "${1:-}" != tests ] || what="1.8 GB, with what tests and checks need"
+[ "${1:-}" != tests ] || what="1.9 GB, with what tests and checks need"
 echo "farhand: installing the pinned dependencies into .venv ($what; one to four minutes the first time)"
 pip install --find-links "$kept" --constraint requirements.lock --editable ".$extras"
 # Environments that were made before had only the UR5's description left.

@@ -4,9 +4,10 @@
 set -eu
 cd "$(dirname "$0")/.."
 kept="${XDG_CACHE_HOME:-$HOME/.cache}/farhand/wheels"
+pinned=$(sed -n 's/^pybullet==\([0-9.]*\).*/\1/p' requirements.lock)
 python=""
 for minor in 13 12 14; do
-    ls "$kept"/pybullet-*-cp3$minor-*.whl >/dev/null 2>&1 || continue
+    ls "$kept"/pybullet-"$pinned"-cp3$minor-*.whl >/dev/null 2>&1 || continue
     for candidate in "python3.$minor" "$HOME"/.pyenv/versions/3.$minor.*/bin/python; do
         if "$candidate" -c "import sys, venv, ensurepip; sys.exit(sys.version_info[:2] != (3, $minor))" >/dev/null 2>&1; then
             python=$candidate

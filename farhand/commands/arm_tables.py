@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
+
+from farhand.common.process.console import page, whole
 
 if TYPE_CHECKING:
     from farhand.robot_side.arm.fitting.arm import FittedArm
@@ -26,7 +27,8 @@ def print_arms(arms: Sequence["ArmModel"]) -> None:
             str(len(arm.capsules)),
             str(len(arm.self_pairs)),
         )
-    Console(soft_wrap=True, markup=False).print(table)
+    console = page()
+    console.print(whole(table, console))
 
 
 def print_fit(fitted: "FittedArm") -> None:
@@ -47,8 +49,8 @@ def print_fit(fitted: "FittedArm") -> None:
             f"{MM * each.excess_max:.1f}",
             f"within that of {each.covered_by}" if each.covered_by else "",
         )
-    console = Console(soft_wrap=True, markup=False)
-    console.print(table)
+    console = page()
+    console.print(whole(table, console))
     count = sum(not each.covered_by for each in fitted.links)
     console.print(
         f"{count} capsules (mm); every vertex lies inside, {-MM * fitted.outside:.3f} mm deep at least"

@@ -256,11 +256,12 @@ def print_rows(rows: list[tuple[str, str]]) -> None:
     """A name and a line each."""
     from rich.table import Table
 
-    from farhand.common.process.console import page
+    from farhand.common.process.console import page, whole
 
     table = Table.grid(padding=(0, 2))
     table.add_column(style="bold")
     table.add_column()
     for name, line in rows:
         table.add_row(name, line)
-    page(emoji=False).print(table)
+    console = page(emoji=False)
+    console.print(whole(table, console))

@@ -26,6 +26,7 @@ from farhand.commands.options import (
     chosen_scenario,
 )
 from farhand.common.errors import InputError
+from farhand.operator_side.steering.registry import DEVICES
 
 OutOption = Annotated[
     Path | None, typer.Option("--out", help="Folder for the results (default: runs/<time>-<scenario>).")
@@ -81,6 +82,8 @@ def demo(
 
     browser = steer == "browser"
     steer = "remote" if browser else steer
+    if steer is not None and steer.partition(":")[0] not in DEVICES:
+        DEVICES.get(steer, "--steer", beside=("browser",))
     if camera is not None and check_camera(camera, may_be_off=True) != OFF and not browser:
         raise InputError("--camera: is for who drives in a browser; it goes with --steer browser")
     chosen = chosen_scenario(

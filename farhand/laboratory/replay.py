@@ -211,10 +211,8 @@ MEASURES = (
     "ticks that intervene",
     "ticks without a plan that meets all",
     "mean commanded speed (m/s)",
-    "largest sigma (m)",
-    "mean sigma (m)",
-    "largest inflation (m)",
-    "mean inflation (m)",
+    "largest margin (m)",
+    "mean margin (m)",
 )
 
 
@@ -231,10 +229,10 @@ def _of(reports: list[ControlReport], measure: str) -> str:
 
 
 def _value(report: ControlReport, measure: str) -> float:
-    if "sigma" in measure:
-        return report.sigma
-    if "inflation" in measure:
-        return report.inflation
+    if "margin" in measure:
+        return (
+            report.inflation + report.sigma
+        )  # whether a law widens obstacles or the barrier, as in the report
     return norm(report.filtered)
 
 

@@ -85,6 +85,7 @@ BAD = [
     (["demo", "--nonsense"], "--nonsense"),
     (["demo", "extra"], "extra"),
     (["demo", "--camera", "pybullet"], "it goes with --steer browser"),
+    (["demo", "--steer", "browsr"], "is 'browser' meant? there are tester"),
     (
         ["demo", "--steer", "browser", "--camera", "film"],
         "pybullet, or device:PATH such as device:/dev/video0, or off",

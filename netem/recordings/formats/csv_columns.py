@@ -65,6 +65,8 @@ def layout_of(text: TraceText, start: int, header: dict[str, str], options: Trac
     names = cells(text, start, separator)
     has_names = not all(is_number(name) for name in names)
     found = names if has_names else []
+    if has_names and not _has_numbers(text, start + 1, separator, len(names)):
+        text.fail("no recording of delays: no row below its first line has a number in it")
     delay_at = _delay_column(found, len(names), options, text)
     time_at = next((i for i, name in enumerate(found) if base(name) in TIME_NAMES and i != delay_at), None)
     delay_name = names[delay_at] if has_names else ""
@@ -101,6 +103,15 @@ def is_number(word: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _has_numbers(text: TraceText, first: int, separator: str, count: int) -> bool:
+    """Whether any later row with as many cells has a number, or a word for a lost message, in one of them."""
+    for index in range(first, len(text.lines)):
+        row = [cell.strip(' "') for cell in text.lines[index].split(separator)]
+        if len(row) >= count and any(cell and is_number(cell) for cell in row):
+            return True
+    return False
 
 
 def base(name: str) -> str:

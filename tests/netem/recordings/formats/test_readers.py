@@ -163,6 +163,7 @@ def test_slots_take_their_length_from_name_header_or_caller(tmp_path):
         ("1\ninf\n", {"period": 0.01}, "line 2: expected one delay"),
         ("lost\nlost\n", {"period": 0.01}, "every message is lost"),
         ("a,b\n1,2\n", {"unit": "ms"}, "which column is the delay"),
+        ("Prose, with a comma.\n\nIn 5 lines, some,\n", {}, "no recording of delays: no row"),
         ("a,b\n1,2\n", {"unit": "ms", "column": "c"}, "no column 'c'"),
         ("time,delay\n0,2\n", {}, "no unit"),
         ("time,delay\n0,2\n", {"unit": "min"}, "unit 'min' is unknown"),
