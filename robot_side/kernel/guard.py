@@ -22,7 +22,7 @@ Arrays:
 
 import numpy as np
 
-from farhand.robot_side.kernel.body import DT, KEEP, REACTION, STOP_SHARE
+from farhand.robot_side.kernel.body import CHECK, DT, KEEP, LAST, REACTION, STOP_SHARE
 from farhand.robot_side.kernel.chain import forward, parts
 from farhand.robot_side.kernel.distance import NOTHING
 from farhand.robot_side.kernel.jit import compiled
@@ -87,6 +87,39 @@ def leave_for_later(b_out, facts, count, keep, soon):
         chased = facts[j, 4]
         if chased > 0.0 and facts[j, 0] - keep > chased * soon:
             b_out[j] -= chased
+
+
+@compiled
+def approached(facts, count):
+    """Whether something moves towards a part that a row keeps from it."""
+    for j in range(count):
+        if facts[j, 4] > 0.0:
+            return True
+    return False
+
+
+@compiled
+def keep_to_the_way(
+    chain, capsules, reach, pairs, slack, q, stop, actual, previous, acceleration, rows, vertices,
+    watched, count, par, qd,
+):  # fmt: skip
+    """Take `stop` for qd where what the rows make of braking cannot be stopped in time, and `stop` can.
+
+    Rows think of one instant: they may brake those joints that would have led away from what is near. The straight
+    way that was found clear the period before has by now lost a little of its distance, for joints follow late.
+    """
+    clear, _, _ = can_stop(
+        chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices, watched, count, par
+    )  # fmt: skip
+    if clear:
+        return
+    last = par.copy()
+    last[CHECK] = par[LAST]
+    clear, _, _ = can_stop(
+        chain, capsules, reach, pairs, slack, q, stop, actual, previous, acceleration, rows, vertices, watched, count, last
+    )  # fmt: skip
+    if clear:
+        qd[:] = stop
 
 
 @compiled
@@ -165,6 +198,11 @@ def guarded_tick(
             soon = stop_angle(previous, acceleration, par[STOP_SHARE], par[REACTION])
             leave_for_later(b_out, facts, count, par[KEEP], soon)
             given_velocity(stop, low, high, rows_out, b_out, count, qd)
+            if not approached(facts, count):
+                keep_to_the_way(
+                    chain, capsules, reach, pairs, slack, q, stop, actual, previous, acceleration, rows, vertices,
+                    watched, watching, par, qd,
+                )  # fmt: skip
     if by_law and share > 0.0:
         part_of_w = np.empty(3)
         for k in range(3):
