@@ -31,7 +31,9 @@ from farhand.robot_side.kernel.rotation import turn_wanted
 from farhand.robot_side.kernel.rows import find_rows
 from farhand.robot_side.kernel.stopping import can_stop, stop_angle, together
 from farhand.robot_side.kernel.velocity import (
+    LOWER,
     MAX_ACCELERATION,
+    UPPER,
     YIELDED,
     brake,
     joint_box,
@@ -100,7 +102,7 @@ def approached(facts, count):
 
 @compiled
 def keep_to_the_way(
-    chain, capsules, reach, pairs, slack, q, stop, actual, previous, acceleration, rows, vertices,
+    chain, capsules, reach, pairs, slack, q, stop, actual, previous, limits, rows, vertices,
     watched, count, par, qd,
 ):  # fmt: skip
     """Take `stop` for qd where what the rows make of braking cannot be stopped in time, and `stop` can.
@@ -109,14 +111,16 @@ def keep_to_the_way(
     way that was found clear the period before has by now lost a little of its distance, for joints follow late.
     """
     clear, _, _ = can_stop(
-        chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices, watched, count, par
+        chain, capsules, reach, pairs, slack, q, qd, actual, previous, limits, rows, vertices,
+        watched, count, par,
     )  # fmt: skip
     if clear:
         return
     last = par.copy()
     last[CHECK] = par[LAST]
     clear, _, _ = can_stop(
-        chain, capsules, reach, pairs, slack, q, stop, actual, previous, acceleration, rows, vertices, watched, count, last
+        chain, capsules, reach, pairs, slack, q, stop, actual, previous, limits, rows, vertices,
+        watched, count, last,
     )  # fmt: skip
     if clear:
         qd[:] = stop
@@ -153,10 +157,14 @@ def guarded_tick(
     if count > 0 or watching > 0:
         # Where a stop could lead near to something the joints are asked for no more than they can do for sure, so that
         # they do as told: what they are behind with when a row first binds, they would never make good.
+        # And no joint is asked for what would bring it to the end of its range before all of them stand.
+        end = stop_angle(previous, acceleration, par[STOP_SHARE], par[REACTION])
         for i in range(n):
             sure = par[STOP_SHARE] * acceleration[i] * par[DT]
-            low[i] = min(max(low[i], previous[i] - sure), previous[i] + sure)
-            high[i] = min(max(high[i], previous[i] - sure), previous[i] + sure)
+            most, least = (limits[UPPER, i] - q[i]) / end, (limits[LOWER, i] - q[i]) / end
+            low[i] = min(max(low[i], previous[i] - sure, least), previous[i] + sure)
+            high[i] = min(max(min(high[i], most), previous[i] - sure), previous[i] + sure)
+            high[i] = max(high[i], low[i])
     share = 0.0
     if by_law:
         status, share = velocity(
@@ -172,7 +180,7 @@ def guarded_tick(
     else:
         report[WHAT] = BAD
     clear, part, other = can_stop(
-        chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices,
+        chain, capsules, reach, pairs, slack, q, qd, actual, previous, limits, rows, vertices,
         watched, watching, par,
     )  # fmt: skip
     if not clear:
@@ -185,7 +193,7 @@ def guarded_tick(
             if watched[m, 0] == part and watched[m, 1] == other:
                 report[DISTANCE] = watched[m, 4]
         clear, _, _ = can_stop(
-            chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices,
+            chain, capsules, reach, pairs, slack, q, qd, actual, previous, limits, rows, vertices,
             watched, watching, par,
         )  # fmt: skip
         share *= 0.5
@@ -200,7 +208,7 @@ def guarded_tick(
             given_velocity(stop, low, high, rows_out, b_out, count, qd)
             if not approached(facts, count):
                 keep_to_the_way(
-                    chain, capsules, reach, pairs, slack, q, stop, actual, previous, acceleration, rows, vertices,
+                    chain, capsules, reach, pairs, slack, q, stop, actual, previous, limits, rows, vertices,
                     watched, watching, par, qd,
                 )  # fmt: skip
     if by_law and share > 0.0:

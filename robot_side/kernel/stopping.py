@@ -12,6 +12,7 @@ import numpy as np
 from farhand.robot_side.kernel.body import CHECK, REACTION, STOP_SHARE, frames, part_of, place_capsules
 from farhand.robot_side.kernel.distance import capsule_capsule, capsule_row, distance_floor
 from farhand.robot_side.kernel.jit import compiled
+from farhand.robot_side.kernel.velocity import LOWER, MAX_ACCELERATION, UPPER
 
 LEAST_STEP = 0.01
 """rad of the fastest joint: shorter steps of the check would only cost time."""
@@ -32,14 +33,16 @@ def stop_angle(qd, acceleration, share, reaction):
 
 @compiled
 def way_is_clear(
-    chain, capsules, reach, pairs, slack, q, qd, acceleration, rows, vertices, watched, count, par
+    chain, capsules, reach, pairs, slack, q, qd, limits, rows, vertices, watched, count, par
 ):  # fmt: skip
     """(clear, capsule, other): whether every watched part keeps the check's distance until the joints stand.
 
-    What is too near now already must not come nearer.
+    What is too near now already must not come nearer. A way that goes beyond a joint's range is none, for there that
+    joint brakes sooner than the others, and all of them go elsewhere; capsule and other are -1 then.
 
     Args:
         q, qd: (n,) where the joints are, and with what they go on (rad, rad/s).
+        limits: see velocity.py.
         count: of the rows of `watched`.
     """
     n, c = q.shape[0], capsules.shape[0]
@@ -48,7 +51,11 @@ def way_is_clear(
         fastest = max(fastest, abs(qd[i]))
     if count == 0 or fastest < 1e-9:
         return True, -1, -1
-    end = stop_angle(qd, acceleration, par[STOP_SHARE], par[REACTION])
+    end = stop_angle(qd, limits[MAX_ACCELERATION], par[STOP_SHARE], par[REACTION])
+    for i in range(n):
+        at_last = q[i] + end * qd[i]
+        if (qd[i] > 0.0 and at_last > limits[UPPER, i]) or (qd[i] < 0.0 and at_last < limits[LOWER, i]):
+            return False, -1, -1
     least = LEAST_STEP / fastest
     R, p = np.empty((n, 3, 3)), np.empty((n, 3))
     A, B = np.empty((c, 3)), np.empty((c, 3))
@@ -121,12 +128,12 @@ def together(previous, acceleration, share, dt, low, high, out):
 
 @compiled
 def can_stop(
-    chain, capsules, reach, pairs, slack, q, qd, actual, previous, acceleration, rows, vertices,
+    chain, capsules, reach, pairs, slack, q, qd, actual, previous, limits, rows, vertices,
     watched, count, par,
 ):  # fmt: skip
     """As way_is_clear, for joints that do what they are told, and for such that stay as far from it as they are now."""
     found = way_is_clear(
-        chain, capsules, reach, pairs, slack, q, qd, acceleration, rows, vertices, watched, count, par
+        chain, capsules, reach, pairs, slack, q, qd, limits, rows, vertices, watched, count, par
     )
     if not found[0]:
         return found
@@ -138,5 +145,5 @@ def can_stop(
     if off < OBEDIENT:
         return found
     return way_is_clear(
-        chain, capsules, reach, pairs, slack, q, other, acceleration, rows, vertices, watched, count, par
+        chain, capsules, reach, pairs, slack, q, other, limits, rows, vertices, watched, count, par
     )

@@ -225,9 +225,9 @@ class ArmGuard:
         if worst < 0 or near[worst, 4] >= self._limit:
             clear, part, other = can_stop(
                 body.chain, body.capsules, body.reach, body.pairs, body.slack, joints.q, joints.commanded, joints.qd,
-                joints.commanded, acceleration, around.rows, around.vertices, near, count, par,
+                joints.commanded, self._limits, around.rows, around.vertices, near, count, par,
             )  # fmt: skip
-            if clear:
+            if clear or part < 0:
                 return None
             worst = next(k for k in range(count) if (near[k, 0], near[k, 1]) == (part, other))
         part, other = int(near[worst, 0]), int(near[worst, 1])
