@@ -21,12 +21,12 @@ from farhand.common.messages.scene import Scene
 from farhand.common.messages.state import RobotState
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
-from farhand.operator_side.accounts.reporting import ReportWriter, Tick
 from farhand.operator_side.control.controller import Controller
 from farhand.operator_side.deciding import Decided, Decider, Senses
 from farhand.operator_side.pace import pace_of
 from farhand.operator_side.prediction.command_history import CommandHistory
 from farhand.operator_side.prediction.response import Response
+from farhand.operator_side.reporting import ReportWriter, Tick
 from farhand.operator_side.sensing.perception import Perception
 from farhand.operator_side.sensing.round_trip import RoundTrip
 from farhand.operator_side.settings import OperatorScenario

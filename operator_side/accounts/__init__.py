@@ -1,1 +1,1 @@
-"""What the operator's side tells: a report each tick, the newest ticks for a recorder, a result at the end."""
+"""What the operator's side keeps and leaves behind: the newest ticks for a recorder, a result at the end."""
