@@ -12,9 +12,9 @@ from farhand.robot_side.kernel.jit import compiled
 
 # par: distance that rows keep, distance that the check keeps (m), period, reaction (s), gain (1/s), greatest braking
 # along a normal (m/s^2), share of the joints' acceleration that rows and the check count on, push outwards (m/s),
-# for how long a mover may accelerate before the arm answers (s), distance that the last way to a stop keeps (m)
-KEEP, CHECK, DT, REACTION, GAIN, BRAKING, ROW_SHARE, STOP_SHARE, PUSH, ANSWER, LAST = range(11)
-PARAMETERS = 11
+# for how long a mover may accelerate before the arm answers (s)
+KEEP, CHECK, DT, REACTION, GAIN, BRAKING, ROW_SHARE, STOP_SHARE, PUSH, ANSWER = range(10)
+PARAMETERS = 10
 STANDS_IN = 8
 """Column of the capsules, see guard.py."""
 

@@ -22,7 +22,7 @@ Arrays:
 
 import numpy as np
 
-from farhand.robot_side.kernel.body import CHECK, DT, KEEP, LAST, REACTION, STOP_SHARE
+from farhand.robot_side.kernel.body import DT, KEEP, REACTION, STOP_SHARE
 from farhand.robot_side.kernel.chain import forward, parts
 from farhand.robot_side.kernel.distance import NOTHING
 from farhand.robot_side.kernel.jit import compiled
@@ -92,41 +92,6 @@ def leave_for_later(b_out, facts, count, keep, soon):
 
 
 @compiled
-def approached(facts, count):
-    """Whether something moves towards a part that a row keeps from it."""
-    for j in range(count):
-        if facts[j, 4] > 0.0:
-            return True
-    return False
-
-
-@compiled
-def keep_to_the_way(
-    chain, capsules, reach, pairs, slack, q, stop, actual, previous, limits, rows, vertices,
-    watched, count, par, qd,
-):  # fmt: skip
-    """Take `stop` for qd where what the rows make of braking cannot be stopped in time, and `stop` can.
-
-    Rows think of one instant: they may brake those joints that would have led away from what is near. The straight
-    way that was found clear the period before has by now lost a little of its distance, for joints follow late.
-    """
-    clear, _, _ = can_stop(
-        chain, capsules, reach, pairs, slack, q, qd, actual, previous, limits, rows, vertices,
-        watched, count, par,
-    )  # fmt: skip
-    if clear:
-        return
-    last = par.copy()
-    last[CHECK] = par[LAST]
-    clear, _, _ = can_stop(
-        chain, capsules, reach, pairs, slack, q, stop, actual, previous, limits, rows, vertices,
-        watched, count, last,
-    )  # fmt: skip
-    if clear:
-        qd[:] = stop
-
-
-@compiled
 def guarded_tick(
     chain, limits, home, capsules, reach, pairs, slack, par, rows, vertices,
     joints, commanded, v, w, R_wanted, asked, by_law, known,
@@ -188,7 +153,9 @@ def guarded_tick(
         together(previous, acceleration, par[STOP_SHARE], par[DT], low, high, stop)
         for i in range(n):
             qd[i] = 0.5 * (qd[i] + stop[i])
-        report[WHAT], report[PART], report[OTHER] = HALVED, part, other
+        report[WHAT] = HALVED
+        if part >= 0:  # else it is the end of a joint's range
+            report[PART], report[OTHER] = part, other
         for m in range(watching):
             if watched[m, 0] == part and watched[m, 1] == other:
                 report[DISTANCE] = watched[m, 4]
@@ -206,11 +173,6 @@ def guarded_tick(
             soon = stop_angle(previous, acceleration, par[STOP_SHARE], par[REACTION])
             leave_for_later(b_out, facts, count, par[KEEP], soon)
             given_velocity(stop, low, high, rows_out, b_out, count, qd)
-            if not approached(facts, count):
-                keep_to_the_way(
-                    chain, capsules, reach, pairs, slack, q, stop, actual, previous, limits, rows, vertices,
-                    watched, watching, par, qd,
-                )  # fmt: skip
     if by_law and share > 0.0:
         part_of_w = np.empty(3)
         for k in range(3):

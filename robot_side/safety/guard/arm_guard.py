@@ -25,7 +25,7 @@ from farhand.robot_side.scene.surroundings import Surroundings
 ROWS = 40
 """More than these cannot bind at once; the ones that are broken most are kept."""
 WATCHED = 192
-SPARE_OF_ROWS, SPARE_OF_CHECK, SPARE_AT_LAST = 0.003, 0.002, 0.0005
+SPARE_OF_ROWS, SPARE_OF_CHECK = 0.003, 0.002
 """m, kept besides d_min for what lies between two ticks."""
 LAG_DOUBT = 1.5
 """The arm answers this much later than it is said to, at the most."""
@@ -140,7 +140,6 @@ class ArmGuard:
         self._limit = settings.d_min
         par[moving.KEEP] = settings.d_min + SPARE_OF_ROWS
         par[moving.CHECK] = settings.d_min + SPARE_OF_CHECK
-        par[moving.LAST] = settings.d_min + SPARE_AT_LAST
         par[moving.DT], par[moving.REACTION] = dt, dt + LAG_DOUBT * lag
         par[moving.GAIN], par[moving.BRAKING] = GAIN, BRAKING
         par[moving.ROW_SHARE], par[moving.STOP_SHARE] = ROW_SHARE, STOP_SHARE
