@@ -287,7 +287,7 @@ def test_touch_buttons_drive_while_they_are_held(desk):
 
     desk.begins(lambda: touch("touchStart", at), lambda: touch("touchEnd"))
     assert desk.operator.told[-1].linear == (-1.0, 0.0, 0.0)
-    assert desk.lets_go_after(lambda: touch("touchEnd")) < LETS_GO_WITHIN + LOADED
+    assert desk.lets_go_after(lambda: touch("touchEnd"), arrives=True) < LETS_GO_WITHIN + LOADED
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
