@@ -83,14 +83,13 @@ class Desk:
             drives and self.browser.run("return document.getElementById('driver')?.innerText") == "you drive"
         )
 
-    def lets_go_after(self, deed, arrives=False):
-        """How long the operator's program was told to move after a deed, or after it `arrives` in the page (s)."""
+    def lets_go_after(self, deed, since=None):
+        """How long the operator's program was told to move after a deed, or after the instant `since` returns (s)."""
         began = len(self.operator.told)
         done_ns = self.operator.clock.now_ns()
         deed()
-        if arrives:
-            done_ns = self.operator.clock.now_ns()
         self.until(lambda: not self.engaged, "it lets go")
+        done_ns = since() if since else done_ns
         told = zip(self.operator.told_ns[began:], self.operator.told[began:], strict=False)
         return (max((at for at, said in told if said.engaged), default=done_ns) - done_ns) * 1e-9
 

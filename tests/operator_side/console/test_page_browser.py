@@ -285,9 +285,17 @@ def test_touch_buttons_drive_while_they_are_held(desk):
     def touch(kind, *points):
         desk.browser.cdp("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
+    def lifted():  # when the browser itself had it; a script that drives a busy one is heard later
+        ms = desk.browser.run("return window.liftedAt")
+        return round(ms * 1e6) - desk.operator.clock.epoch_ns()
+
+    desk.browser.run(
+        "addEventListener('pointerup', e => window.liftedAt = performance.timeOrigin + e.timeStamp, {capture: true})"
+    )
     desk.begins(lambda: touch("touchStart", at), lambda: touch("touchEnd"))
     assert desk.operator.told[-1].linear == (-1.0, 0.0, 0.0)
-    assert desk.lets_go_after(lambda: touch("touchEnd"), arrives=True) < LETS_GO_WITHIN + LOADED
+    took = desk.lets_go_after(lambda: touch("touchEnd"), since=lifted)
+    assert -0.05 < took < LETS_GO_WITHIN + LOADED, took  # the beat before may be the last that moved
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])

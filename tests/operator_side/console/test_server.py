@@ -95,6 +95,9 @@ def test_a_page_sees_robot_scene_and_frames(client):
 
 
 def test_a_press_reaches_the_operator_and_the_end_of_the_page_lets_go(client, operator):
+    def took_or_late(told):  # a press that is not done is one that the console says came too late
+        return any(each.engaged for each in operator.told) or not told["counts"]
+
     with page(client) as socket:
         enter(socket)
         hear(socket, "frame", lambda told: not told["locked"])
@@ -120,8 +123,10 @@ def test_a_press_reaches_the_operator_and_the_end_of_the_page_lets_go(client, op
                 scale=0.6,
                 seen=told["stamp"],
             )
-            n, told = n + 1, hear(socket, "frame", lambda told, press=press: told["heard"] == press)
-            pressed = [each for each in operator.told if each.engaged]
+            told = hear(
+                socket, "frame", lambda told, press=press: told["heard"] == press and took_or_late(told)
+            )
+            n, pressed = n + 1, [each for each in operator.told if each.engaged]
         assert told["you"] == 1
         assert (pressed[0].linear, pressed[0].scale, pressed[0].press) == ((0.0, 1.0, 0.0), 0.6, press)
         hear(socket, "frame", lambda told: not told["holds"])  # it said no more
