@@ -21,7 +21,7 @@ def sweep(axes, arm, around, bounds, often, close):
 
     Args:
         axes: (A, B), (k, 3) each: where the capsules' axes end in base (m).
-        arm: (capsules, moving): (k, 8) of a Body, joint in column 0, radius in column 7; (m,) indices that count.
+        arm: (capsules, moving): (k, 9) of a Body, joint in column 0, radius in column 7; (m,) indices that count.
         around: (rows, vertices, planes): of a Surroundings table; (o,) whether an obstacle is a plane.
         bounds: (2,) what they may not come nearer than, and what is near (m).
         often: bool.
