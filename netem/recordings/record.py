@@ -4,8 +4,9 @@ The one host runs `Reflector`, the other `record`. Each probe carries a session,
 the wanted size; the reflector sends it back as it is. The round trip is measured on one clock alone, in the
 receiving callback. A probe without an echo `wait` seconds after the last was sent is lost.
 
-Messages cross at Zenoh's "drop" congestion control and "real time" priority, over the protocol of the
-endpoint: over TCP a lost packet shows as a delay, not as a loss.
+Messages cross at Zenoh's "block" congestion control and "real time" priority, over the protocol of the
+endpoint: over TCP a lost packet shows as a delay, not as a loss. Under "drop" a busy host's own queue lost
+probes, which stood in the trace as a loss of the path; under "block" such a probe is late, as it was.
 """
 
 import math
@@ -29,6 +30,8 @@ PROBE_KEY = "farhand/trace/probe"
 ECHO_KEY = "farhand/trace/echo"
 _HEADER = struct.Struct("<QI")
 LARGEST = 1 << 20
+# Longer than the session's lease: a path that stands still ends by the lease, not by a full queue.
+_PATIENCE = (("transport/link/tx/queue/congestion_control/block/wait_before_close", 5_000_000),)
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,7 @@ class Reflector:
         self._queue: list[bytes] = []
         self._condition = threading.Condition()
         self._closing = False
-        self._session = open_session(connect, listen)
+        self._session = open_session(connect, listen, extra=_PATIENCE)
         self._publisher = _publisher(self._session, ECHO_KEY)
         self._thread = threading.Thread(target=self._reflect, name="reflector", daemon=True)
         self._thread.start()
@@ -144,7 +147,7 @@ def record(
     sent = np.zeros(count, dtype=np.int64)
     received = np.zeros(count, dtype=np.int64)
     arrivals = _Arrivals(clock, tag, received)
-    session = open_session(settings.connect, settings.listen)
+    session = open_session(settings.connect, settings.listen, extra=_PATIENCE)
     try:
         # The reference is held, or the subscription would end with it.
         subscriber = session.declare_subscriber(ECHO_KEY, arrivals.take)
@@ -214,7 +217,7 @@ class _Arrivals:
 def _publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:
     return session.declare_publisher(
         key,
-        congestion_control=zenoh.CongestionControl.DROP,
+        congestion_control=zenoh.CongestionControl.BLOCK,
         priority=zenoh.Priority.REAL_TIME,
         express=True,
     )

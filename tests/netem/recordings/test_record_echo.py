@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from farhand.commands.emulation.traces import trace_app
 from farhand.common.errors import InputError, TraceError
-from farhand.common.timing.clock import SystemClock
+from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.netem.models.profiles import load_model
 from farhand.netem.recordings.record import PROBE_KEY, RecordSettings, Reflector, record
 from farhand.netem.recordings.trace import load_trace
@@ -33,15 +33,20 @@ def test_echoes_make_a_trace_and_unanswered_probes_are_lost(tmp_path):
     endpoint = free_endpoint()
     reflector = Reflector(listen=[endpoint])
     reflected = threading.Event()
+    clock = SystemClock()
 
     def progress(sent, received):
+        # The sender waits here, on a busy machine too, until the echoes that the test counts on are under way.
+        deadline_ns = clock.now_ns() + to_ns(10)
+        while sent > 50 and reflector.reflected < 45 and clock.now_ns() < deadline_ns:
+            reflected.wait(0.01)
         if sent > 50:
             reflected.set()
             reflector.close()
 
     try:
         settings = RecordSettings(connect=[endpoint], rate_hz=50, size=200, duration=1.5, wait=1.0)
-        trace = record(settings, SystemClock(), on_progress=progress)
+        trace = record(settings, clock, on_progress=progress)
     finally:
         if not reflected.is_set():
             reflector.close()
