@@ -35,7 +35,7 @@ class Types:
             import xxhash  # noqa: F401 (said here, before anything is opened)
             from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError as error:
-            raise InputError(f"farhand ros2 needs {error.name}: pip install 'farhand[ros2]'") from None
+            raise InputError(f"{error.name} is missing; pip install 'farhand[ros2]'") from None
         self._store: Any = get_typestore(getattr(Stores, f"ROS2_{distro.upper()}"))
         self._store.max_sequence_length = LONGEST_SEQUENCE
         self._parse = get_types_from_msg
