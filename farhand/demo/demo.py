@@ -13,7 +13,8 @@ from farhand.common.process.signals import say, stop_event_on_signals
 from farhand.common.timing.clock import SystemClock
 from farhand.demo.cast import BESIDE, CAMERA, RECORD, STEER, Cast, Hands, cast_of
 from farhand.demo.children import Children
-from farhand.demo.live_status import ReportReader, StatusView
+from farhand.demo.live_status import StatusView
+from farhand.demo.report_reader import ReportReader
 from farhand.operator_side.control.registry import make_controller
 from farhand.operator_side.devices.sources import SOURCES, check_library
 from farhand.programs.command_line import ConsoleWords, NetemWords

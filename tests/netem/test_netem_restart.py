@@ -8,7 +8,7 @@ import pytest
 from farhand.common.link.ports import free_ports
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.demo.children import Children
-from farhand.demo.live_status import ReportReader
+from farhand.demo.report_reader import ReportReader
 from farhand.programs.command_line import NetemWords, OperatorWords, RobotWords
 from farhand.runs.run import Run
 from farhand.runs.run_folder import write_scenario

@@ -8,8 +8,10 @@ from rich.console import Console
 
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
-from farhand.demo.live_status import Arrived, StatusView, line, render
+from farhand.demo.live_status import StatusView
+from farhand.demo.report_reader import Arrived
 from farhand.demo.scene_words import SceneWords
+from farhand.demo.status_drawing import line, render
 from farhand.runs.freshness import Ages, picture
 from farhand.testing import OPERATOR_SESSION, report, scene
 

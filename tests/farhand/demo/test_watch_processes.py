@@ -10,7 +10,8 @@ from rich.console import Console
 
 from farhand.common.link.ports import free_ports
 from farhand.common.timing.clock import SystemClock
-from farhand.demo.live_status import ReportReader, StatusView
+from farhand.demo.live_status import StatusView
+from farhand.demo.report_reader import ReportReader
 from farhand.testing import Programs, short_task
 from tests.examples import also
 
