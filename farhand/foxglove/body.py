@@ -30,8 +30,8 @@ from farhand.foxglove.figures import (
 )
 from farhand.robot_side.arm.capsules import read_capsules
 from farhand.robot_side.arm.catalogue import ARMS, capsule_path
+from farhand.robot_side.arm.description.variants import bare_text
 from farhand.robot_side.arm.model import model
-from farhand.robot_side.arm.urdf import bare_text
 
 _LINK = Color(r=0.62, g=0.66, b=0.7, a=1.0)
 _TOOL = Color(r=0.35, g=0.6, b=0.9, a=0.6)

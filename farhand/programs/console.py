@@ -28,7 +28,8 @@ from farhand.operator_side.console.web import web_config
 from farhand.programs.command_line import ConsoleWords
 from farhand.programs.live_network import LiveNetwork
 from farhand.programs.sessions import random_session
-from farhand.robot_side.arm.catalogue import ARMS, data_folder, installed, urdf_of
+from farhand.robot_side.arm.catalogue import ARMS, data_folder, urdf_of
+from farhand.robot_side.arm.description.finding import installed
 
 LOOK_EVERY, START_EVERY = 0.2, 0.01
 LEAST_TOKEN = 8

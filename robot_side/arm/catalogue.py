@@ -1,14 +1,12 @@
 """The arms that are known by name: those of the package example-robot-data that have been tried, and two whose shapes
 another package has."""
 
-import difflib
-import importlib.util
 import sys
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from farhand.common.errors import InputError
+from farhand.robot_side.arm.description.finding import installed, nearest
 
 _DATA = Path("cmeel.prefix/share/example-robot-data/robots")
 _MODELS = Path(__file__).resolve().parent / "models"
@@ -140,12 +138,6 @@ def srdf_of(known: KnownArm) -> Path:
     return (_MODELS if known.shapes else data_folder()) / known.srdf
 
 
-def installed(package: str) -> Path | None:
-    """The folder of an installed Python package, which is not imported for that."""
-    found = importlib.util.find_spec(package) if package.isidentifier() else None
-    return Path(found.origin).parent if found is not None and found.origin else None
-
-
 def data_folder() -> Path:
     """The folder of robot descriptions that the package example-robot-data brings; raises InputError."""
     for entry in sys.path:
@@ -158,10 +150,3 @@ def data_folder() -> Path:
 def capsule_path(name: str) -> Path:
     """Where the capsules of a known arm lie."""
     return _MODELS / f"{name}.toml"
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """What may have been meant: the nearest names, or all."""
-    known = sorted(known)
-    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
-    return f"nearest are {', '.join(close)}" if close else f"there are {', '.join(known[:12])}"

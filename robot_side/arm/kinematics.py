@@ -7,8 +7,8 @@ import pinocchio as pin
 
 from farhand.common.geometry import Array
 from farhand.common.messages.base import Vector3
+from farhand.robot_side.arm.description.variants import bare_text
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.arm.urdf import bare_text
 
 POSITION_TOLERANCE = 1e-6  # m
 ANGLE_TOLERANCE = 1e-6  # rad

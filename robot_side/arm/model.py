@@ -21,14 +21,15 @@ from farhand.robot_side.arm.catalogue import (
     ARMS,
     KnownArm,
     capsule_path,
-    nearest,
     srdf_of,
     unknown_arm,
     urdf_of,
 )
-from farhand.robot_side.arm.srdf import Semantics, read_srdf
+from farhand.robot_side.arm.description.finding import nearest
+from farhand.robot_side.arm.description.srdf import Semantics, read_srdf
+from farhand.robot_side.arm.description.urdf import Chain, read_urdf
+from farhand.robot_side.arm.description.variants import bare_text
 from farhand.robot_side.arm.stand_ins import STAND_INS, Part
-from farhand.robot_side.arm.urdf import Chain, bare_text, read_urdf
 
 MAX_ACCELERATION = 15.0
 """Of a joint of an arm whose file cannot say it (rad/s^2)."""

@@ -8,8 +8,8 @@ import numpy as np
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.capsules import LinkCapsule
+from farhand.robot_side.arm.description.xml import rpy_of_axis
 from farhand.robot_side.arm.model import ArmModel, pairs_to_keep_apart
-from farhand.robot_side.arm.urdf import rpy_of_axis
 
 TOOL = "tool"
 

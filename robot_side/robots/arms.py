@@ -13,10 +13,10 @@ from farhand.common.geometry import Array
 from farhand.common.seeds import stream
 from farhand.robot_side.arm.capsules import read_capsules
 from farhand.robot_side.arm.catalogue import ARMS, unknown_arm
+from farhand.robot_side.arm.description.srdf import Semantics, read_srdf
+from farhand.robot_side.arm.description.urdf import Chain, read_urdf, tool_frame_of
 from farhand.robot_side.arm.model import ArmModel, assemble, model, read_known
-from farhand.robot_side.arm.srdf import Semantics, read_srdf
 from farhand.robot_side.arm.tool import with_tool
-from farhand.robot_side.arm.urdf import Chain, read_urdf, tool_frame_of
 from farhand.robot_side.robots.settings import RobotSettings, ToolSettings, wrong_length
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.scene import Obstacle
 from farhand.common.quantities import Vector3
 from farhand.robot_side.arm.chain import ArmChain
+from farhand.robot_side.arm.description.variants import first_link, massive_text
 from farhand.robot_side.arm.kinematics import Kinematics
 from farhand.robot_side.arm.model import ArmModel
-from farhand.robot_side.arm.urdf import first_link, massive_text
 from farhand.robot_side.kernel.body import moved_at_most
 from farhand.robot_side.robots.arm_follower import ArmFollower, controls
 from farhand.robot_side.robots.arms import chosen_arm

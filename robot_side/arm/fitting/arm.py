@@ -8,11 +8,11 @@ import numpy as np
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
 from farhand.robot_side.arm.capsules import CapsuleFile, FittedCapsule, capsule_text
+from farhand.robot_side.arm.description.urdf import Chain
 from farhand.robot_side.arm.fitting.body import Body, bodies
 from farhand.robot_side.arm.fitting.excess import excess
 from farhand.robot_side.arm.fitting.fit import Capsule, fit
 from farhand.robot_side.arm.model import ArmModel, assemble
-from farhand.robot_side.arm.urdf import Chain
 
 MOSTLY = 0.95
 """Of all configurations: a pair whose capsules overlap so often says nothing of a collision."""

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
-from farhand.robot_side.arm.urdf import numbers, rotation_rpy
+from farhand.robot_side.arm.description.xml import numbers, rotation_rpy
 
 _SIDES = 32
 """Of the prism that stands for a cylinder, and that lies around it."""

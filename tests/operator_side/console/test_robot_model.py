@@ -6,7 +6,8 @@ import pytest
 from farhand.common.errors import InputError
 from farhand.operator_side.console.light_mesh import HEADER, TRIANGLE, light_mesh
 from farhand.operator_side.console.robot_model import RobotModel
-from farhand.robot_side.arm.catalogue import ARMS, installed, urdf_of
+from farhand.robot_side.arm.catalogue import ARMS, urdf_of
+from farhand.robot_side.arm.description.finding import installed
 
 LINK = """<robot name="r"><link name="a">
 <visual><geometry><mesh filename="package://example-robot-data/robots/heavy.dae"/></geometry></visual>

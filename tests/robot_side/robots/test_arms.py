@@ -9,8 +9,8 @@ from farhand.common.errors import ScenarioError
 from farhand.common.geometry import Twist
 from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.arm.catalogue import ARMS
+from farhand.robot_side.arm.description.variants import first_link
 from farhand.robot_side.arm.model import model
-from farhand.robot_side.arm.urdf import first_link
 from farhand.robot_side.robots import pybullet_arm
 from farhand.robot_side.robots.arms import chosen_arm, fit_files, model_from_files
 from farhand.robot_side.robots.bullet_obstacles import BulletObstacles

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from farhand.common.errors import InputError
-from farhand.robot_side.arm.urdf import read_urdf
+from farhand.robot_side.arm.description.urdf import read_urdf
 from farhand.trials.fuzz.files import scratch
 from farhand.trials.fuzz.target import Target, check, one_line
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from farhand.common.errors import InputError
 from farhand.common.geometry import Array
-from farhand.robot_side.arm.urdf import numbers, read_xml
+from farhand.robot_side.arm.description.xml import numbers, read_xml
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,8 @@ import pinocchio as pin
 import pytest
 
 from farhand.common.errors import InputError
-from farhand.robot_side.arm.urdf import read_urdf, rotation_rpy, rpy_of_axis, tool_frame_of
+from farhand.robot_side.arm.description.urdf import read_urdf, tool_frame_of
+from farhand.robot_side.arm.description.xml import rotation_rpy, rpy_of_axis
 from tests.robot_side.arm.own_arm import urdf
 
 

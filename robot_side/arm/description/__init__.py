@@ -1,0 +1,1 @@
+"""URDF and SRDF: what an arm is, read from files."""
