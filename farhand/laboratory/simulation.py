@@ -9,12 +9,12 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import msgspec
 
 from farhand.common.errors import InputError
-from farhand.common.link.link import MemoryLink, Packet
+from farhand.common.link.link import MemoryLink
 from farhand.common.messages.report import ControlReport
 from farhand.common.recording.fates import Fate
 from farhand.common.recording.records import RunInfo
@@ -22,6 +22,7 @@ from farhand.common.recording.writer import RunRecorder
 from farhand.common.seeds import stream
 from farhand.common.timing.clock import to_ns, to_seconds
 from farhand.foxglove.view import views_of
+from farhand.laboratory.tap import Tap, hash_traffic, listen
 from farhand.laboratory.virtual_executor import Priority, VirtualExecutor
 from farhand.netem.measure.result import NetemResult
 from farhand.operator_side.accounts.result import OperatorResult, Span, Tally
@@ -98,17 +99,7 @@ class Options(TypedDict, total=False):
     controller: Controller | None
     robot: Robot | None
     listener: Callable[[ControlReport], None]
-    tap: "Tap"
-
-
-class Tap(Protocol):
-    """Who listens on both ends of the way back."""
-
-    def robot_sent(self, packet: Packet) -> None:
-        """A packet that leaves the robot."""
-
-    def operator_got(self, packet: Packet, now_ns: int) -> None:
-        """A packet that has reached the operator, at `now_ns`."""
+    tap: Tap
 
 
 def simulate(  # noqa: PLR0913 (the friendly front door)
@@ -183,9 +174,9 @@ class _World:
         operator_end, netem_operator_end = self._executor.wire()
         netem_robot_end, robot_end = self._executor.wire()
         if options.get("digest", False):
-            _hash_traffic(operator_end, self._hasher.update)
+            hash_traffic(operator_end, self._hasher.update)
         if "tap" in options:
-            _listen(operator_end, robot_end, options["tap"])
+            listen(operator_end, robot_end, options["tap"])
         self._robot = self._make_robot(robot_end, options.get("robot"), closing)
         session = session_of(run.seed, "operator")
         self._recorder = _recorder(options.get("record_to"), run, session)
@@ -349,36 +340,6 @@ def _recorder(path: Path | None, run: Run, session: int) -> RunRecorder | None:
         git=source_state(),
     )
     return RunRecorder(path, info, views_of(info))
-
-
-def _hash_traffic(end: MemoryLink, update: Callable[[bytes], None]) -> None:
-    """Feed every packet that leaves or reaches this end to a hash, with its stamp."""
-    send, deliver = end.send, end.deliver
-
-    def hashed_send(packet: Packet) -> None:
-        update(b">" + packet.key.encode() + packet.payload)
-        send(packet)
-
-    def hashed_deliver(packet: Packet, now_ns: int) -> None:
-        update(b"<%d" % now_ns + packet.key.encode() + packet.payload)
-        deliver(packet, now_ns)
-
-    end.send, end.deliver = hashed_send, hashed_deliver  # type: ignore[method-assign]
-
-
-def _listen(operator_end: MemoryLink, robot_end: MemoryLink, tap: Tap) -> None:
-    """Give every packet of the way back to a tap as well, at both ends."""
-    send, deliver = robot_end.send, operator_end.deliver
-
-    def heard_send(packet: Packet) -> None:
-        tap.robot_sent(packet)
-        send(packet)
-
-    def heard_deliver(packet: Packet, now_ns: int) -> None:
-        tap.operator_got(packet, now_ns)
-        deliver(packet, now_ns)
-
-    robot_end.send, operator_end.deliver = heard_send, heard_deliver  # type: ignore[method-assign]
 
 
 def _close(robot: Robot) -> None:

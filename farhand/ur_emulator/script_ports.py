@@ -3,8 +3,9 @@
 from farhand.ur_emulator.controller import Controller
 from farhand.ur_emulator.functions import WAITS, Functions
 from farhand.ur_emulator.program import Program
+from farhand.ur_emulator.script_words import ScriptError
 from farhand.ur_emulator.sockets import ProgramSockets
-from farhand.ur_emulator.urscript import ScriptError, translate
+from farhand.ur_emulator.urscript import translate
 from farhand.ur_emulator.wire import Connection, Handler
 
 LONGEST = 1 << 20

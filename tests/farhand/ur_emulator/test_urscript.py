@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from farhand.ur_emulator.program import Program
-from farhand.ur_emulator.urscript import ScriptError, translate
+from farhand.ur_emulator.script_words import ScriptError
+from farhand.ur_emulator.urscript import translate
 
 
 def ran(text, cycles=50, **functions):

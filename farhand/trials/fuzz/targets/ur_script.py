@@ -7,8 +7,9 @@ from farhand.robot_side.ur.settings import UrSettings
 from farhand.trials.fuzz.target import Target, one_line
 from farhand.trials.fuzz.ur_bench import controller
 from farhand.ur_emulator.functions import WAITS, Functions
+from farhand.ur_emulator.script_words import ScriptError
 from farhand.ur_emulator.sockets import ProgramSockets
-from farhand.ur_emulator.urscript import ScriptError, translate
+from farhand.ur_emulator.urscript import translate
 from farhand.ur_emulator.wire import Wire
 
 
