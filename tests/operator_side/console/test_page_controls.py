@@ -5,7 +5,7 @@ import math
 import pytest
 
 from tests.operator_side.console.browser import CHROMIUM, DRIVER
-from tests.operator_side.console.desk import Desk
+from tests.operator_side.console.desk import NOW, Desk
 from tests.operator_side.console.test_page_browser import LETS_GO_WITHIN, LOADED
 from tests.operator_side.console.test_page_pictures import AT, DOWN, Ur5
 
@@ -78,7 +78,7 @@ def test_two_sticks_drive_all_the_way_they_are_pushed_and_stop_when_left(tab):
         return tab.operator.told[-1].linear, tab.operator.told[-1].angular
 
     tab.until(lambda: told() == wanted, "both are heard")
-    assert tab.lets_go_after(lambda: touch(tab.browser, "touchEnd")) < LETS_GO_WITHIN + LOADED
+    assert tab.lets_go_after(lambda: touch(tab.browser, "touchEnd"), by_page=True) < LETS_GO_WITHIN + LOADED
     tab.stays_still(0.3)
 
 
@@ -146,7 +146,7 @@ def test_a_gamepad_drives_with_its_deadman_button_rumbles_and_stops_when_unplugg
     desk.operator.report = {"desired": (0.0, 0.2, 0.0), "filtered": (0.0, 0.05, 0.0)}
     desk.until(lambda: abs(desk.browser.run("return window.pad.rumbled") - 0.75) < 1e-6, "it rumbles")
     gone = "navigator.getGamepads = () => [null]"
-    assert desk.lets_go_after(lambda: desk.browser.run(gone)) < LETS_GO_WITHIN + LOADED
+    assert desk.lets_go_after(lambda: desk.browser.run(NOW + gone), by_page=True) < LETS_GO_WITHIN + LOADED
     desk.until(lambda: "unplugged" in desk.browser.text("sentence"), "it says so")
     desk.browser.run("navigator.getGamepads = () => [window.pad]")  # the button still down
     desk.stays_still(0.4)

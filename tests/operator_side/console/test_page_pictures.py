@@ -93,9 +93,10 @@ class Ur5(Operator):
 @pytest.fixture(scope="module")
 def desk():
     desk = Desk(Ur5(), _find_model)
-    desk.sits_down()
-    yield desk
-    desk.close()
+    try:
+        yield desk.sits_down()
+    finally:
+        desk.close()
 
 
 def look(browser, width, height, theme):
