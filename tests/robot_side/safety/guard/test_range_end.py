@@ -1,4 +1,4 @@
-"""Near the end of a joint's range: the way to a stop that the guard has checked is one that the joints can go."""
+"""Near the end of a joint's range: the way to a stop is one that joints can go, and who is chased may still flee."""
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from farhand.robot_side.safety.guard.arm_guard import ArmGuard, Joints
 from farhand.robot_side.safety.guard.settings import GuardSettings
 from farhand.robot_side.scene.surroundings import surroundings_of
 from farhand.trials.safety.arm_run import DT, LAG, KinematicArm
+from farhand.trials.safety.guard import Trial, run_case
 
 UR5 = model("ur5")
 BALL = Obstacle(id="ball", position=(-0.75, 0.0, 0.6), shape=Sphere(0.08))
@@ -36,3 +37,13 @@ def test_all_joints_stand_before_one_is_at_the_end_of_its_range(obeys):
         body.step(commanded)
     assert body.q[1] < UR5.lower[1] + 0.2  # it did come there
     assert max(beyond) < LATE
+
+
+@pytest.mark.parametrize(("robot", "index"), [("ur5", 23), ("panda", 8)])
+def test_who_is_chased_to_the_end_of_a_range_still_flees(robot, index):
+    case = Trial(robots=(robot,), speeds=(0.3,)).cases()[index]
+    found = run_case(1, case)
+    assert not found.error
+    assert found.nearest >= 0.01, (
+        f"{found.part} {found.nearest * 1e3:.1f} mm to {found.obstacle}: {found.reason}"
+    )
