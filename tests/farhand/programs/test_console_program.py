@@ -1,5 +1,6 @@
 """The console's program beyond loopback: who is let in over TLS, with a token, under its own name, and who is not."""
 
+import base64
 import http.client
 import socket
 import ssl
@@ -7,7 +8,7 @@ import threading
 from contextlib import ExitStack
 
 import pytest
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from farhand.common.errors import InputError
 from farhand.common.link.ports import free_ports
@@ -79,10 +80,19 @@ def test_a_wrong_or_missing_token_is_refused_and_told_so(console, token):
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("headers", [{"origin": "https://evil.example"}, {"origin": "null"}])
-def test_a_page_of_another_origin_is_refused(console, headers):
-    with pytest.raises(InvalidStatus):
-        Caller(console.host, TOKEN, console.secure, **headers)
+@pytest.mark.parametrize(("origin", "status"), [("https://evil.example", 403), ("null", 403), ("", 101)])
+def test_a_page_of_another_origin_is_refused(console, origin, status):
+    """By hand: at times websockets' client waits in vain for an answer whose end it had with it."""
+    host, port = console.host.split(":")
+    asked = http.client.HTTPSConnection(host, int(port), context=console.secure, timeout=5)
+    upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+    key = {
+        "Sec-WebSocket-Key": base64.b64encode(bytes(16)).decode(),
+        "Origin": origin or f"https://{console.host}",
+    }
+    asked.request("GET", "/socket", headers=upgrade | key)
+    assert asked.getresponse().status == status
+    asked.close()
 
 
 @pytest.mark.realtime
