@@ -10,7 +10,7 @@ from benchmarks.__main__ import NAMES
 from tests.examples import also
 
 WITH_PROCESSES = ("netem", "ros2", "seat")
-SLOW = ("recording", "report", "solver")
+SLOW = ("robot_loop", "recording", "report", "solver")
 
 
 def _run(name, folder, monkeypatch):
