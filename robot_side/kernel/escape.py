@@ -42,6 +42,8 @@ SHARES = np.array([1.0, 2.0])
 """Speeds of ways out, over the fastest mover's."""
 LEAST_SPEED = 0.2
 """m/s, of them."""
+STEP = 0.4
+"""s, for which a step aside is kept to; then the sphere stops. Quicker ways end at a wall before the horizon."""
 DIRECTIONS = np.array(
     [
         np.array([i, j, k]) / math.sqrt(i * i + j * j + k * k)
@@ -85,11 +87,23 @@ def along(x, v, u, t, par, point, velocity):
 
 
 @compiled
-def clear(now, x, v, u, begin, rows, vertices, par, enough):
+def step_aside(x, v, u, t, lasts, par, point, velocity):
+    """As `along`, but with a stop after `lasts` s."""
+    if t <= lasts:
+        along(x, v, u, t, par, point, velocity)
+        return
+    there, then = np.empty(3), np.empty(3)
+    along(x, v, u, lasts, par, there, then)
+    along(there, then, np.zeros(3), t - lasts, par, point, velocity)
+
+
+@compiled
+def clear(now, x, v, u, lasts, begin, rows, vertices, par, enough):
     """(by how much the way under u stays clear of all, and of movers, beyond what is kept (m); whether it meets what
     stands). For HORIZON s; what is nearer now must only not come nearer.
 
     Args:
+        lasts: for how long u is kept to, then comes a stop (s).
         now: where the sphere is now (3,), m.
         x, v: where the way begins, and how fast.
         begin: when it begins (s from now).
@@ -107,7 +121,7 @@ def clear(now, x, v, u, begin, rows, vertices, par, enough):
             p[k] = x[k] if standing else now[k]
         t = 0.0 if begin > 0.0 and not standing else first
         while t < 1.0001 * HORIZON:
-            along(x, v, u, t, par, b, speed)
+            step_aside(x, v, u, t, lasts, par, b, speed)
             # the obstacle keeps its velocity: in its frame the sphere runs from p to q
             for k in range(3):
                 q[k] = b[k] - (begin + t) * rows[j, VELOCITY + k]
@@ -141,18 +155,31 @@ def reach(x, v, u, rows, par):
     return index, fastest
 
 
+SLOW = 2 + len(SHARES) * len(DIRECTIONS)
+STEPS = SLOW + 2 * len(DIRECTIONS)
+ALL = STEPS + len(DIRECTIONS)
+
+
 @compiled
 def candidate(number, u, speed, fastest, way):
-    """Fill way with velocity `number` (m/s): 0 stands, 1 is u, then all directions at growing speeds."""
+    """Fill way with velocity `number` (m/s) and return for how long it is kept to (s).
+
+    0 stands, 1 is u, then come all directions at growing speeds; from SLOW on steps aside, at twice the mover's speed
+    and at the greatest; from STEPS on all directions at the greatest.
+    """
     if number == 0:
         way[:] = 0.0
-    elif number == 1:
+        return HORIZON
+    if number == 1:
         way[:] = u
-    else:
-        tier, direction = divmod(number - 2, len(DIRECTIONS))
-        share = fastest if tier >= len(SHARES) else min(fastest, max(LEAST_SPEED, SHARES[tier] * speed))
-        for k in range(3):
-            way[k] = share * DIRECTIONS[direction, k]
+        return HORIZON
+    tier, direction = divmod(number - 2, len(DIRECTIONS))
+    share = fastest
+    if number < SLOW + len(DIRECTIONS):
+        share = min(fastest, max(LEAST_SPEED, SHARES[min(tier, len(SHARES) - 1)] * speed))
+    for k in range(3):
+        way[k] = share * DIRECTIONS[direction, k]
+    return STEP if SLOW <= number < STEPS else HORIZON
 
 
 @compiled
@@ -160,7 +187,7 @@ def escape(x, v, u, rows, vertices, par, held):
     """Whether u leaves a way out; else u becomes one, where there is one.
 
     Args:
-        held: (1,) number of the way that was found last; is changed.
+        held: (2,) number of the way that was found last, and whether it is being followed; is changed.
 
     Returns:
         (AS_IT_IS, ESCAPE or NONE, index of the nearest mover). After NONE, u is what meets nothing that stands and
@@ -168,34 +195,39 @@ def escape(x, v, u, rows, vertices, par, held):
     """
     index, speed = reach(x, v, u, rows, par)
     if index < 0:
+        held[1] = 0
         return AS_IT_IS, index
     way, later, then = np.empty(3), np.empty(3), np.empty(3)
     along(x, v, u, LEAD, par, later, then)
-    slow = 2 + len(SHARES) * len(DIRECTIONS)
     last = int(held[0])
-    for number in range(-1, slow):  # the last one first
-        candidate(last if number < 0 else number, u, speed, par[FASTEST], way)
-        if clear(x, later, then, way, LEAD, rows, vertices, par, 0.0)[0] >= 0.0:
-            held[0] = last if number < 0 else number
+    for number in range(-1, STEPS):  # the last one first
+        lasts = candidate(last if number < 0 else number, u, speed, par[FASTEST], way)
+        if clear(x, later, then, way, lasts, LEAD, rows, vertices, par, 0.0)[0] >= 0.0:
+            if number >= 0:
+                held[0], held[1] = number, 0
             return AS_IT_IS, index
     best, most, found, asked = -1, -NOTHING, False, u.copy()
-    for number in range(slow + len(DIRECTIONS)):
-        if number == slow and found:
+    for number in range(ALL):
+        if number == STEPS and found:
             break
-        candidate(number, asked, speed, par[FASTEST], way)
+        lasts = candidate(number, asked, speed, par[FASTEST], way)
         if way_is_clear(x, v, way, rows, vertices, par) >= 0:
             continue
-        of_all, of_movers, blocked = clear(x, x, v, way, 0.0, rows, vertices, par, 0.0 if found else most)
+        of_all, of_movers, blocked = clear(
+            x, x, v, way, lasts, 0.0, rows, vertices, par, 0.0 if found else most
+        )
         if blocked:
             continue
         if of_all >= 0.0:
             merit = -math.sqrt((way[0] - asked[0]) ** 2 + (way[1] - asked[1]) ** 2 + (way[2] - asked[2]) ** 2)
-            merit += 1e-3 if number == last else 0.0
+            if number == last and held[1] > 0:  # who wavers between two ways out goes neither
+                best, found = number, True
+                break
             if not found or merit > most:
                 best, most, found = number, merit, True
         elif not found and of_movers > most:
             best, most = number, of_movers
     if best >= 0:
         candidate(best, asked, speed, par[FASTEST], u)
-        held[0] = best
+        held[0], held[1] = best, 1
     return ESCAPE if found else NONE, index

@@ -69,7 +69,7 @@ def guard(given, rows, vertices, par, held, u, facts):
     """Fill u and facts; returns what was done (FREE ...).
 
     given: (9,) x, v and u_c.
-    held: (1,) what `escape` keeps.
+    held: (2,) what `escape` keeps.
     facts: (3,) index of the obstacle that was decisive (-1: none), its distance, the least distance of all (m).
     """
     x, v, u_c = given[:3], given[3:6], given[6:]

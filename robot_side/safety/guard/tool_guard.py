@@ -61,7 +61,7 @@ class ToolGuard:
         self._par = par
         self._limit = settings.d_min
         self._given, self._write = np.zeros(9), Struct("9d").pack_into
-        self._u, self._facts, self._held = np.zeros(3), np.zeros(3), np.zeros(1, np.int64)
+        self._u, self._facts, self._held = np.zeros(3), np.zeros(3), np.zeros(2, np.int64)
         self.did: Intervention | None = None
         self.pinched = 0
         # compiled, or loaded, now and not in the first period
