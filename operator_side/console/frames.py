@@ -1,6 +1,6 @@
 """What pages are told, as builtin types that MessagePack knows: a frame many times a second, the rest on change."""
 
-from dataclasses import fields, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import msgspec
@@ -23,7 +23,6 @@ _STATE = _words(
     """t_sample_ns position orientation velocity joints mode reason holder_name clearance min_clearance arm_clearance
     applied_session applied_seq"""
 )
-_NETWORK = tuple(field.name for field in fields(NetworkTold))
 _REPORT = _words(
     """session seq mode desired filtered desired_angular angular intervening predicted predicted_orientation inflation
     sigma margin_parts rtt_mean rtt_std loss binding clearance free_side stop_reason target_index target_count safety"""
@@ -80,7 +79,7 @@ def frame(
         "age": _age(now.state_age),
         "report_age": _age(now.report_age),
         "path": picture.path if not unheard(now) else [],
-        "reasons": list(reasons(now)),
+        "reasons": [asdict(reason) for reason in reasons(now)],
         "locked": seat.locked,
         "you": number,
         "driver": seat.driver,
@@ -138,8 +137,7 @@ def _obstacle(found: dict[str, Any]) -> dict[str, Any]:
 
 
 def _network(network: NetworkTold, *, changeable: bool) -> dict[str, Any]:
-    told = {name: getattr(network, name) for name in _NETWORK}
-    return told | {"name": network.name, "changeable": changeable}
+    return {**asdict(network), "name": network.name, "changeable": changeable}
 
 
 def _age(seconds: float) -> float | None:

@@ -100,7 +100,8 @@ class Server:
             self._console.beat(self._now_ns())
 
     async def _stops_within(self, seconds: float) -> bool:
-        await anyio.sleep(seconds)  # a scope with a time-out around the event costs several times as much
+        with anyio.move_on_after(seconds):
+            await self.stopping.wait()
         return self.stopping.is_set()
 
     async def _file(self, request: Request) -> Response:
