@@ -92,7 +92,7 @@ def leave_for_later(b_out, facts, count, keep, soon):
 
 
 @compiled
-def ends_that_bind(limits, facts, count):
+def ranges_that_bind(limits, facts, count):
     """Limits with the ranges that a way to a stop must keep to: none while something moves towards a part.
 
     Whoever flees needs all of its joints: held back at the end of a range, an arm was caught that had a way out. That
@@ -134,7 +134,7 @@ def guarded_tick(
     )  # fmt: skip
     report[WHAT], report[PART], report[OTHER], report[DISTANCE] = NOTHING_DONE, -1, -1, NOTHING
     report[NEAREST], report[NEAR_PART], report[NEAR_OTHER], report[ROWS] = near, near_part, near_other, count
-    ends = ends_that_bind(limits, facts, count)
+    ranges = ranges_that_bind(limits, facts, count)
     if count > 0 or watching > 0:
         # Where a stop could lead near to something the joints are asked for no more than they can do for sure, so that
         # they do as told: what they are behind with when a row first binds, they would never make good.
@@ -142,7 +142,7 @@ def guarded_tick(
         end = stop_angle(previous, acceleration, par[STOP_SHARE], par[REACTION])
         for i in range(n):
             sure = par[STOP_SHARE] * acceleration[i] * par[DT]
-            most, least = (ends[UPPER, i] - q[i]) / end, (ends[LOWER, i] - q[i]) / end
+            most, least = (ranges[UPPER, i] - q[i]) / end, (ranges[LOWER, i] - q[i]) / end
             low[i] = min(max(low[i], previous[i] - sure, least), previous[i] + sure)
             high[i] = min(max(min(high[i], most), previous[i] - sure), previous[i] + sure)
             high[i] = max(high[i], low[i])
@@ -161,7 +161,7 @@ def guarded_tick(
     else:
         report[WHAT] = BAD
     clear, part, other = can_stop(
-        chain, capsules, reach, pairs, slack, q, qd, actual, previous, ends, rows, vertices,
+        chain, capsules, reach, pairs, slack, q, qd, actual, previous, ranges, rows, vertices,
         watched, watching, par,
     )  # fmt: skip
     if not clear:
@@ -176,7 +176,7 @@ def guarded_tick(
             if watched[m, 0] == part and watched[m, 1] == other:
                 report[DISTANCE] = watched[m, 4]
         clear, _, _ = can_stop(
-            chain, capsules, reach, pairs, slack, q, qd, actual, previous, ends, rows, vertices,
+            chain, capsules, reach, pairs, slack, q, qd, actual, previous, ranges, rows, vertices,
             watched, watching, par,
         )  # fmt: skip
         share *= 0.5
