@@ -6,6 +6,8 @@ cd "$(dirname "$0")/.."
 # Where it is set, each of the hundreds of processes would compile all of Farhand, and each worker all tests.
 unset PYTHONDONTWRITEBYTECODE
 pytest=".venv/bin/python -m pytest"
+# What has changed since: else each of the first processes would compile it, and those that wait for them give up.
+.venv/bin/python -m farhand.laboratory.warm >/dev/null || exit 1
 if [ "$*" = long ]; then
     FARHAND_TESTS=thorough exec $pytest -m "long or thorough" -n 2 --dist worksteal
 fi
