@@ -15,10 +15,10 @@ class Caller:
     secure: TLS settings, where the console has them.
     """
 
-    def __init__(self, host, token="", secure=None, page=None, **headers):
+    def __init__(self, host, token="", secure=None, page=None):
         self.secure = secure
         url = f"{'wss' if secure else 'ws'}://{host}/socket"
-        headers = {"origin": f"{'https' if secure else 'http'}://{host}", **headers}
+        headers = {"origin": f"{'https' if secure else 'http'}://{host}"}
         self._closing = ExitStack()
         wanted = connect(
             url, ssl=secure, open_timeout=5, max_size=2**22, compression=None, additional_headers=headers

@@ -109,9 +109,8 @@ class Desk:
         if by_page:
             done_ns = round(self.browser.run("return window.doneAt") * 1e6) - self.operator.clock.epoch_ns()
         told = zip(self.operator.told_ns[began:], self.operator.told[began:], strict=False)
-        return (
-            max((at for at, said in told if said.engaged), default=done_ns) - done_ns
-        ) * 1e-9 - self.held_up
+        took = (max((at for at, said in told if said.engaged), default=done_ns) - done_ns) * 1e-9
+        return took if took < 0 else max(0.0, took - self.held_up)
 
     def stays_still(self, seconds=0.6):
         began = len(self.operator.told)

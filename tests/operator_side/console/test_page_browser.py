@@ -304,7 +304,7 @@ def test_touch_buttons_drive_while_they_are_held(desk):
     desk.begins(lambda: touch("touchStart", at), lambda: touch("touchEnd"))
     assert desk.operator.told[-1].linear == (-1.0, 0.0, 0.0)
     took = desk.lets_go_after(lambda: touch("touchEnd"), by_page=True)
-    assert -0.15 < took < LETS_GO_WITHIN + LOADED, took  # the beat before may be the last that moved
+    assert -0.05 < took < LETS_GO_WITHIN + LOADED, took  # the beat before may be the last that moved
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (390, 844)])
