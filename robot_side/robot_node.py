@@ -91,6 +91,7 @@ class RobotNode:
                 scenario.guard, settings.radius, settings.lag, self._dt, scenario.safety.max_speed
             )
         self._tally = Tally(self._dt)
+        self._evades = False  # whether the guard did so in the last period
         self.watchdog = Watchdog(scenario.safety, session)
         self.intake = CommandIntake(name, self.watchdog)
         self.scene_intake = SceneIntake(name, scenario.safety, session)
@@ -191,7 +192,7 @@ class RobotNode:
             field = self._field = ObstacleField(self._obstacles, now_ns)
         if periods > 1 and self._robot.catches_up:
             self._catch_up(field, now_ns, periods - 1)
-        watchdog.tick(now_ns)
+        watchdog.tick(now_ns, evading=self._evades)
         packets = self._link.receive()
         if packets:
             self.intake.take(packets, now_ns)
@@ -219,7 +220,7 @@ class RobotNode:
     def _catch_up(self, field: ObstacleField, now_ns: int, behind: int) -> None:
         for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):
             then_ns = now_ns - missed * self._period_ns
-            self.watchdog.tick(then_ns)
+            self.watchdog.tick(then_ns, evading=self._evades)
             self._observe(field, then_ns)
             self._move(field, then_ns)
 
@@ -243,6 +244,7 @@ class RobotNode:
         if not self._guarded:
             self._robot.step(watchdog.twist(now_ns), self._dt)
         elif watchdog.latched:
+            self._evades = False
             self._robot.halt(self._dt)
         else:
             self._move_guarded(watchdog.twist(now_ns), field, now_ns)
@@ -257,6 +259,7 @@ class RobotNode:
             sample = self._sample
             self._robot.step(guard.allow(sample.position, sample.velocity, twist, around), self._dt)
             did = guard.did
+        self._evades = did is not None and did.what == "evading"
         self._tally.add(did, now_ns)
 
     def _stand_still(self, error: Exception, now_ns: int) -> None:

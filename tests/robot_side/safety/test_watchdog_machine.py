@@ -30,6 +30,7 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.holder, self.heard, self.since = 0, 0, 0
         self.asked = {}
         self.mode, self.stopped = "hold", 0  # as after the last rule; when the latched stop began
+        self.due = None  # since when the stop waits for the guard
 
     def command(self, session, mode, *, age_ms=50, seq=None, velocity=(0.1, 0.0, 0.0), echo=True, **fields):
         """The session's next command, built on a state that is `age_ms` old."""
@@ -50,7 +51,7 @@ class WatchdogMachine(RuleBasedStateMachine):
             assert self.watchdog.twist(self.now).linear == before[1]
         if self.watchdog.twist(self.now).linear != before[1]:
             assert self.watchdog.twist(self.now).linear == ZERO or self.holder == command.session
-        if obeyed and command.mode in ("run", "hold", "acknowledge"):
+        if obeyed and command.mode in ("run", "hold", "acknowledge") and not self.watchdog.stops_soon:
             self.last_good = self.now
         return obeyed
 
@@ -70,7 +71,7 @@ class WatchdogMachine(RuleBasedStateMachine):
 
     @rule(session=sessions, velocity=velocities, age_ms=st.integers(-100, 1500), n=st.integers(0, 12))
     def run(self, session, velocity, age_ms, n):
-        latched = self.watchdog.latched
+        latched = self.watchdog.latched or self.watchdog.stops_soon
         mine = self.take(session, self.knows(age_ms))
         obeyed = self.give(
             self.command(session, "run", velocity=velocity, age_ms=age_ms, plan=(velocity,) * n)
@@ -104,6 +105,7 @@ class WatchdogMachine(RuleBasedStateMachine):
         asks, held = self.holder not in (0, session), self.watchdog.refused["held"]
         mine = self.take(session, self.knows(age_ms))
         seen = self.mode not in LATCHED or self.now - age_ms * MS >= self.stopped
+        seen = seen and not self.watchdog.stops_soon
         obeyed = self.give(self.command(session, "acknowledge", age_ms=age_ms))
         assert obeyed == (mine and self.knows(age_ms) and seen)
         if asks and age_ms <= 1000:
@@ -150,13 +152,26 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.watchdog.fault("it broke", self.now)
         assert self.watchdog.mode == "stopped"
 
-    @rule(ms=st.integers(1, 700))
-    def pass_time(self, ms):
+    @rule(ms=st.integers(1, 700), evading=st.booleans())
+    def pass_time(self, ms, evading):
         latched, mode = self.watchdog.latched, self.watchdog.mode
         self.now += ms * MS
-        self.tick()
+        self.tick(evading)
         if latched:
             assert self.watchdog.mode == mode
+
+    @precondition(lambda self: self.watchdog.mode == "hold" and self.holder)
+    @rule(ms=st.integers(1, 12_000))
+    def fall_silent_before_a_mover(self, ms):
+        if not self.watchdog.stops_soon:
+            self.hold(self.holder)
+            self.now += 1501 * MS
+            self.tick(True)
+            assert self.watchdog.stops_soon
+        self.now += ms * MS
+        self.tick(True)
+        if ms >= LIMITS.evade_timeout * 1000:
+            assert not self.watchdog.stops_soon
 
     @precondition(lambda self: self.watchdog.mode == "run")
     @rule()
@@ -165,8 +180,11 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.tick()
         assert self.watchdog.mode in ("hold", "stopped")
 
-    def tick(self):
-        self.watchdog.tick(self.now)
+    def tick(self, evading=False):
+        waited = self.watchdog.stops_soon
+        self.watchdog.tick(self.now, evading=evading)
+        if waited and not evading:
+            assert self.watchdog.latched
         if self.holder and self.now - self.heard > LIMITS.lease_timeout * 1e9:
             self.holder, self.since = 0, self.now
             assert self.watchdog.lease.end == "silent"
@@ -198,8 +216,17 @@ class WatchdogMachine(RuleBasedStateMachine):
             assert self.watchdog.twist(self.now).linear == ZERO
 
     @invariant()
+    def a_stop_waits_for_a_bounded_time(self):
+        if not self.watchdog.stops_soon:
+            self.due = None
+            return
+        self.due = self.now if self.due is None else self.due
+        assert self.watchdog.mode == "hold"
+        assert self.now - self.due < LIMITS.evade_timeout * 1e9
+
+    @invariant()
     def a_latch_stands_still(self):
-        if self.watchdog.mode in LATCHED:
+        if self.watchdog.mode in LATCHED or self.watchdog.stops_soon:
             assert self.watchdog.twist(self.now).linear == ZERO
 
     @invariant()
