@@ -256,9 +256,8 @@ def test_a_solver_that_fails_stands_still_and_says_so(status):
 
 def test_the_obstacles_are_those_of_the_wire_and_the_newest_of_them():
     controller = ScriptedController()
-    bench = Bench(
-        controller, **{"controller.kind": "mpc-cbf", "controller.d_min": 0.01, "margin.adaptive.floor": 0.02}
-    )
+    margin = {"margin.adaptive.floor": 0.02, "margin.adaptive.least": 0.02}
+    bench = Bench(controller, **{"controller.kind": "mpc-cbf", "controller.d_min": 0.01, **margin})
     bench.drive()
     assert controller.problems[-1].radii.shape == (0,)  # the scenario has two; the wire says none
     bench.scene(Obstacle("ball", (3.0, 0.0, 0.0), 0.5))

@@ -15,6 +15,7 @@ from farhand.common.messages.scene import Obstacle
 from farhand.common.seeds import stream
 from farhand.common.shapes.distance import distance_to
 from farhand.operator_side.control.settings import ControllerSettings
+from farhand.operator_side.margins.adaptive import AdaptiveSettings
 from farhand.operator_side.margins.settings import MarginSettings
 from farhand.robot_side.robots.settings import RobotSettings
 from farhand.robot_side.safety.guard.settings import GuardSettings
@@ -76,8 +77,14 @@ def make_task(
         robot=box_settings(robot),
         guard=GuardSettings(on=False),  # what is measured is the operator's side, as the paper has it
         controller=ControllerSettings(r=effort, speed_limit=(0.5, 0.5, 0.5)),
-        margin=MarginSettings(kind=margin, own={"paper": {"max_speed": 0.87}}),
+        margin=MarginSettings(kind=margin, own=_margins_own(papers=effort == PAPERS_EFFORT)),
     )
+
+
+def _margins_own(*, papers: bool) -> dict[str, dict[str, float]]:
+    """Settings of the margins; in the paper's experiment the floor is the same at any speed."""
+    own = {"paper": {"max_speed": 0.87}}
+    return own | {"adaptive": {"least": AdaptiveSettings().floor}} if papers else own
 
 
 def box_settings(robot: BoxKind) -> RobotSettings:

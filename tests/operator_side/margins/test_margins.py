@@ -39,6 +39,19 @@ def test_the_adaptive_margin_is_the_largest_of_its_parts_within_its_bounds(innov
     assert margin.parts == {"floor": 0.02, "innovation": innovation, "spread": spread}
 
 
+@given(nonnegative, nonnegative)
+def test_the_floor_grows_with_the_way_in_an_error_of_time_and_ends(speed, more):
+    own = {"floor": 0.02, "least": 0.004, "timing": 0.1}
+    here, faster = (
+        law("adaptive", **own).evaluate(MarginInput(v, 0.2, 0.1, 0.0, 0.0)).inflation
+        for v in (speed, speed + more)
+    )
+    assert 0.004 <= here <= faster <= 0.02
+    assert here == pytest.approx(min(0.02, 0.004 + 0.1 * speed))
+    constant = law("adaptive", floor=0.02, least=0.02).evaluate(MarginInput(speed, 0.2, 0.1, 0.0, 0.0))
+    assert constant.inflation == 0.02
+
+
 def test_the_worst_case_is_the_way_of_the_worst_delay_whatever_is_measured():
     law = make_margin(
         MarginSettings(kind="worst-case", own={"worst-case": {"speed": 0.5, "delay": 0.4, "extra": 0.03}})

@@ -57,4 +57,4 @@ def test_the_box_is_that_of_the_paper():
     task = TASKS[0]
     assert task.controller.speed_limit == (0.5, 0.5, 0.5)
     assert (task.controller.d_min, task.controller.gamma) == (0.01, 0.5)
-    assert task.margin.own == {"paper": {"max_speed": 0.87}}
+    assert task.margin.own == {"paper": {"max_speed": 0.87}, "adaptive": {"least": 0.01}}
