@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from farhand.common.geometry import STILL, Twist, norm, to_vector3
+from farhand.common.geometry import STILL, Array, Twist, norm, to_vector3
 from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.command import CommandMode
 from farhand.common.messages.description import RobotDescription
@@ -36,6 +36,7 @@ from farhand.operator_side.sensing.perception import Perception
 from farhand.operator_side.sensing.round_trip import RoundTrip
 from farhand.operator_side.settings import OperatorScenario
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
+from farhand.operator_side.steering.sides import Free
 from farhand.operator_side.steering.targets import Targets
 from farhand.operator_side.supervision import Decision, Supervision
 from farhand.operator_side.turning import turning_plan
@@ -270,16 +271,15 @@ class Decider:
         )
         return prediction, checked_margin(self._margin.evaluate(given))
 
-    def _free(self, mind: Mind, prediction: Prediction) -> Callable[[Sequence[Vector3]], Sequence[bool]]:
+    def _free(self, mind: Mind, prediction: Prediction) -> Free:
         """Which velocities the filter would let pass nearly as they are, from where the robot will be."""
 
-        def free(velocities: Sequence[Vector3]) -> Sequence[bool]:
+        def free(velocities: Array) -> Sequence[bool]:
             problem = mind.filter.problem_from(prediction.start)
             if problem is None:
                 return [True] * len(velocities)
-            asked = np.array(velocities, dtype=float).reshape(-1, 3)
-            change = changes(problem, asked, self._scenario.controller)
-            verdicts: list[bool] = (change <= FREE * np.linalg.norm(asked, axis=1)).tolist()
+            change = changes(problem, velocities, self._scenario.controller)
+            verdicts: list[bool] = (change <= FREE * np.linalg.norm(velocities, axis=1)).tolist()
             return verdicts
 
         return free

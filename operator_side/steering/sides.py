@@ -8,11 +8,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from farhand.common.geometry import norm
+import numpy as np
+
+from farhand.common.geometry import Array, norm
 from farhand.common.messages.base import Vector3
 
-Free = Callable[[Sequence[Vector3]], Sequence[bool]]
-"""Of each velocity (m/s), whether the filter would let it pass nearly as it is."""
+Free = Callable[[Array], Sequence[bool]]
+"""Of velocities (k, 3), m/s, whether the filter would let each pass nearly as it is: (k,)."""
 
 SIDES = ("left", "right", "above", "below")
 OTHER = {"left": "right", "right": "left", "above": "below", "below": "above"}
@@ -20,6 +22,12 @@ STEP = 0.05
 """Rad, in which a free angle is looked for."""
 MOST = 4.2
 """The largest angle that is tried (rad): out of a pocket one goes back, and a little more."""
+ANGLES = tuple(STEP * k for k in range(round(MOST / STEP) + 1))
+"""What is tried (rad), from straight on."""
+_TURNS = np.array([(math.cos(angle), math.sin(angle)) for angle in ANGLES])
+_AT_ONCE = 28
+"""So many angles to every side are asked about at once: most ways round are found among the first."""
+_ALONG = 1e-9
 _UPRIGHT = 0.95
 """Of the way's unit vector along z, from which it counts as upright."""
 
@@ -35,7 +43,7 @@ class WayRound:
     angle: float
 
 
-def everything_is_free(velocities: Sequence[Vector3]) -> Sequence[bool]:
+def everything_is_free(velocities: Array) -> Sequence[bool]:
     """For devices that are read without a filter."""
     return [True] * len(velocities)
 
@@ -65,24 +73,35 @@ def turned_towards(velocity: Vector3, across: Vector3, angle: float) -> Vector3:
     along = sum(a * v for a, v in zip(across, velocity, strict=True)) / speed**2
     side = [a - along * v for a, v in zip(across, velocity, strict=True)]
     length = norm(side)
-    if length < 1e-9:
+    if length < _ALONG:
         return velocity
     c, s = math.cos(angle), math.sin(angle) * speed / length
     x, y, z = (c * v + s * a for v, a in zip(velocity, side, strict=True))
     return (x, y, z)
 
 
+def fan(velocity: Vector3, across: Vector3) -> Array:
+    """(k, 3) a velocity turned by each of ANGLES towards a direction; see turned_towards."""
+    v, a = np.array(velocity), np.array(across)
+    speed = norm(velocity)
+    side = a - float(a @ v) / speed**2 * v
+    length = norm(side.tolist())
+    if length < _ALONG:
+        return np.tile(v, (len(ANGLES), 1))
+    turned: Array = _TURNS[:, :1] * v + _TURNS[:, 1:] * (speed / length * side)
+    return turned
+
+
 def way_round(velocity: Vector3, free: Free) -> WayRound | None:
     """The side with the smallest free angle, the first of SIDES among equals; None where no side has one."""
-    angles = [STEP * k for k in range(1, round(MOST / STEP) + 1)]
-    found: list[WayRound] = []
-    for side in SIDES:
-        across = towards(velocity, side)
-        verdicts = free([turned_towards(velocity, across, angle) for angle in angles])
-        first = next((angle for angle, verdict in zip(angles, verdicts, strict=True) if verdict), None)
-        if first is not None:
-            found.append(WayRound(side, first))
-    return min(found, key=lambda way: way.angle, default=None)
+    fans = np.stack([fan(velocity, towards(velocity, side)) for side in SIDES], axis=1)
+    for first in range(1, len(ANGLES), _AT_ONCE):
+        some = fans[first : first + _AT_ONCE]
+        verdicts = free(some.reshape(-1, 3))
+        found = next((index for index, verdict in enumerate(verdicts) if verdict), None)
+        if found is not None:
+            return WayRound(SIDES[found % len(SIDES)], ANGLES[first + found // len(SIDES)])
+    return None
 
 
 def _cross(a: Vector3, b: Vector3) -> Vector3:

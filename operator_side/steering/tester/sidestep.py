@@ -7,9 +7,20 @@ and fro. The wish is turned before the filter, which judges it like any other.
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from farhand.common.geometry import norm
 from farhand.common.messages.base import Vector3
-from farhand.operator_side.steering.sides import MOST, OTHER, STEP, Free, towards, turned_towards, way_round
+from farhand.operator_side.steering.sides import (
+    ANGLES,
+    OTHER,
+    STEP,
+    Free,
+    fan,
+    towards,
+    turned_towards,
+    way_round,
+)
 
 SLOW = 0.2
 """Share of the wanted speed under which the robot makes no progress."""
@@ -118,7 +129,10 @@ class Sidestep:
         return turned_towards(wanted, step.across, step.angle)
 
     def _begin(self, wanted: Vector3, instant: Instant) -> _Step | None:
-        if not self._progress.lacking(wanted, instant.velocity, instant.now_ns) or instant.free([wanted])[0]:
+        if (
+            not self._progress.lacking(wanted, instant.velocity, instant.now_ns)
+            or instant.free(np.array([wanted]))[0]
+        ):
             return None
         way = way_round(wanted, instant.free)
         if way is None:
@@ -138,10 +152,9 @@ class Sidestep:
     def _adjusted(step: _Step, wanted: Vector3, free: Free, *, stuck: bool) -> float:
         """The angle: down while it is free, else up until it is; up, too, where the robot stands all the same."""
         count = round(step.angle / STEP)
-        angles = [STEP * k for k in range(round(MOST / STEP) + 1)]
-        verdicts = free([turned_towards(wanted, step.across, angle) for angle in angles])
+        verdicts = free(fan(wanted, step.across))
         if verdicts[count] and not stuck:
             while count > 0 and verdicts[count - 1]:
                 count -= 1
-            return angles[count]
-        return next((angles[k] for k in range(count + 1, len(angles)) if verdicts[k]), angles[-1])
+            return ANGLES[count]
+        return next((ANGLES[k] for k in range(count + 1, len(ANGLES)) if verdicts[k]), ANGLES[-1])

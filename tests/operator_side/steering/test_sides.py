@@ -5,7 +5,15 @@ import math
 import pytest
 
 from farhand.common.geometry import norm
-from farhand.operator_side.steering.sides import SIDES, WayRound, towards, turned_towards, way_round
+from farhand.operator_side.steering.sides import (
+    ANGLES,
+    SIDES,
+    WayRound,
+    fan,
+    towards,
+    turned_towards,
+    way_round,
+)
 
 AHEAD = (0.3, 0.0, 0.0)
 
@@ -40,6 +48,16 @@ def test_a_turned_wish_is_as_fast_and_turned_by_that_angle(side):
     cosine = sum(a * b for a, b in zip(wish, turned, strict=True)) / norm(wish) ** 2
     assert cosine == pytest.approx(math.cos(0.7))
     assert turned_towards(wish, wish, 0.7) == wish
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_fan_holds_every_turn(side):
+    wish = (0.1, -0.2, 0.25)
+    across = towards(wish, side)
+    assert fan(wish, across).tolist() == [
+        pytest.approx(turned_towards(wish, across, angle), abs=1e-15) for angle in ANGLES
+    ]
+    assert fan(wish, wish).tolist() == [list(wish)] * len(ANGLES)
 
 
 def test_the_way_round_is_the_side_with_the_smallest_turn():
