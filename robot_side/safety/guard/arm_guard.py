@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from farhand.common.geometry import Array, norm, to_vector3
-from farhand.common.messages.intervention import Intervention, deed
+from farhand.common.messages.intervention import SLOW, Deed, Intervention, deed
 from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel import body as moving
@@ -34,6 +34,8 @@ BRAKING = 3.0  # m/s^2
 ROW_SHARE, STOP_SHARE = 0.3, 0.5
 PUSH = 0.1  # m/s
 ANSWER = 0.1  # s
+STIRS = 0.01
+"""rad/s of any joint: that is moving, whether the tool does or not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,7 +258,12 @@ class ArmGuard:
         else:
             name, moves = parts[self.body.pairs[-1 - other, 1]], False
         asked, done = to_vector3(v.tolist()), to_vector3((self._J[:3] @ self._qd).tolist())
-        said = "braking" if what in (kernel.HALVED, kernel.BRAKING_NOW) else deed(asked, done, moves=moves)
+        if what in (kernel.HALVED, kernel.BRAKING_NOW):
+            said: Deed | None = "braking"
+        elif moves and norm(asked) < SLOW and np.abs(self._qd).max() > STIRS:
+            said = "evading"  # an elbow may do so beside a tool that stands
+        else:
+            said = deed(asked, done, moves=moves)
         if said is None:
             return None
         return Intervention(
