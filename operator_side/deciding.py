@@ -274,12 +274,13 @@ class Decider:
     def _free(self, mind: Mind, prediction: Prediction) -> Free:
         """Which velocities the filter would let pass nearly as they are, from where the robot will be."""
 
-        def free(velocities: Array) -> Sequence[bool]:
+        def free(velocities: Array | Sequence[Vector3]) -> Sequence[bool]:
             problem = mind.filter.problem_from(prediction.start)
             if problem is None:
                 return [True] * len(velocities)
-            change = changes(problem, velocities, self._scenario.controller)
-            verdicts: list[bool] = (change <= FREE * np.linalg.norm(velocities, axis=1)).tolist()
+            asked = np.asarray(velocities, dtype=float).reshape(-1, 3)
+            change = changes(problem, asked, self._scenario.controller)
+            verdicts: list[bool] = (change <= FREE * np.linalg.norm(asked, axis=1)).tolist()
             return verdicts
 
         return free

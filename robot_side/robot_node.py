@@ -40,7 +40,6 @@ from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 
 SECOND_NS = 1_000_000_000
 UNHEARD = "no good command"
-EVADING_NS = 100_000_000  # a guard that brakes for some periods in between evades still
 CATCH_UP_NS = 100_000_000  # a simulator makes good for at most this much lost time a tick
 
 
@@ -92,7 +91,6 @@ class RobotNode:
                 scenario.guard, settings.radius, settings.lag, self._dt, scenario.safety.max_speed
             )
         self._tally = Tally(self._dt)
-        self._evaded_ns = -EVADING_NS
         self.watchdog = Watchdog(scenario.safety, session)
         self.intake = CommandIntake(name, self.watchdog)
         self.scene_intake = SceneIntake(name, scenario.safety, session)
@@ -193,7 +191,7 @@ class RobotNode:
             field = self._field = ObstacleField(self._obstacles, now_ns)
         if periods > 1 and self._robot.catches_up:
             self._catch_up(field, now_ns, periods - 1)
-        watchdog.tick(now_ns, evading=now_ns - self._evaded_ns < EVADING_NS)
+        watchdog.tick(now_ns)
         packets = self._link.receive()
         if packets:
             self.intake.take(packets, now_ns)
@@ -221,7 +219,7 @@ class RobotNode:
     def _catch_up(self, field: ObstacleField, now_ns: int, behind: int) -> None:
         for missed in range(min(behind, CATCH_UP_NS // self._period_ns), 0, -1):
             then_ns = now_ns - missed * self._period_ns
-            self.watchdog.tick(then_ns, evading=then_ns - self._evaded_ns < EVADING_NS)
+            self.watchdog.tick(then_ns)
             self._observe(field, then_ns)
             self._move(field, then_ns)
 
@@ -244,7 +242,7 @@ class RobotNode:
         watchdog = self.watchdog
         if not self._guarded:
             self._robot.step(watchdog.twist(now_ns), self._dt)
-        elif watchdog.latched:
+        elif watchdog.stands(now_ns) or (watchdog.latched and not field.moves):
             self._robot.halt(self._dt)
         else:
             self._move_guarded(watchdog.twist(now_ns), field, now_ns)
@@ -259,8 +257,6 @@ class RobotNode:
             sample = self._sample
             self._robot.step(guard.allow(sample.position, sample.velocity, twist, around), self._dt)
             did = guard.did
-        if did is not None and did.what == "evading":
-            self._evaded_ns = now_ns
         self._tally.add(did, now_ns)
 
     def _stand_still(self, error: Exception, now_ns: int) -> None:

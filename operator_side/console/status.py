@@ -170,9 +170,19 @@ def _stopped(now: Situation) -> Iterator[Reason]:
         where = f", on {by}" if by else ""
         yield Reason("e-stop", f"{_again(now)}Latched by the robot: {state.reason}{where}.", _ACKNOWLEDGE)
     elif state.mode == "stopped":
-        yield Reason("stopped", f"{_again(now)}Latched by the robot: {state.reason}.", _ACKNOWLEDGE)
+        yield Reason(
+            "stopped", f"{_again(now)}Latched by the robot: {state.reason}{_aside(state)}.", _ACKNOWLEDGE
+        )
     if now.report is not None and "holds control" in now.report.stop_reason:
         yield Reason("taken", f"{now.report.stop_reason}.", "Its holder hands over, or gives control up.")
+
+
+def _aside(state: RobotState) -> str:
+    """What the robot's guard still does in a stop that silence brought."""
+    guard = state.guard
+    if not guard or guard.what != "evading":
+        return ""
+    return f"; its guard takes the {guard.part} out of the way of {guard.obstacle}"
 
 
 def _changed(now: Situation) -> Iterator[Reason]:

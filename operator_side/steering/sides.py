@@ -13,7 +13,7 @@ import numpy as np
 from farhand.common.geometry import Array, norm
 from farhand.common.messages.base import Vector3
 
-Free = Callable[[Array], Sequence[bool]]
+Free = Callable[[Array | Sequence[Vector3]], Sequence[bool]]
 """Of velocities (k, 3), m/s, whether the filter would let each pass nearly as it is: (k,)."""
 
 SIDES = ("left", "right", "above", "below")
@@ -43,7 +43,7 @@ class WayRound:
     angle: float
 
 
-def everything_is_free(velocities: Array) -> Sequence[bool]:
+def everything_is_free(velocities: Array | Sequence[Vector3]) -> Sequence[bool]:
     """For devices that are read without a filter."""
     return [True] * len(velocities)
 

@@ -11,7 +11,7 @@ class SafetySettings(Section, frozen=True, kw_only=True):
         max_age: a command built on a state older than this is refused (s).
         command_timeout: without a good command for this long, RUN becomes HOLD (s).
         stop_timeout: without a good command for this long, HOLD becomes STOPPED (s).
-        evade_timeout: for so long at most STOPPED waits while the guard takes the robot out of something's way (s).
+        evade_timeout: for so long after that the guard may still step aside from what moves (s).
         lease_timeout: a silent holder loses control after this (s).
         max_speed: commands faster than this in any axis are refused (m/s).
         max_angular_speed: commands that turn the tool faster than this, about whatever axis, are refused (rad/s).

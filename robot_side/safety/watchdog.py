@@ -1,9 +1,9 @@
 """The safety state machine: which commands move the robot, and what happens when they stay away.
 
-RUN -> HOLD (no good command within the timeout: the received plan is played out, then zero) -> STOPPED. The
-way from HOLD to STOPPED waits, for a bounded time, while the guard takes the robot out of something's way: a
-stop that is latched there is one to be run over in. What STOPPED refuses is refused meanwhile.
-STOPPED and ESTOP are latched: only a fresh acknowledgement of the session in control leads out of them.
+RUN -> HOLD (no good command within the timeout: the received plan is played out, then zero) -> STOPPED.
+STOPPED and ESTOP are latched: only a fresh acknowledgement of the session in control leads out of them. Nothing that
+is commanded moves a latched robot. In a stop that silence brought its own guard may still take it out of the way of
+what moves, for a bounded time: who is stopped in a mover's way is run over. Every other stop stands at once.
 It is told the robot's own time and compares no two clocks: a command's age is that of the robot's own
 stamp that the command echoes.
 """
@@ -73,7 +73,7 @@ class Watchdog:
         self._newest_seq: OrderedDict[int, int] = OrderedDict()
         self._estop_reason = ""
         self._stopped_ns = 0  # since when the latched stop is there
-        self._due_ns: int | None = None  # since when a stop is due that waits for the guard
+        self._evades_until_ns = 0  # until when the guard may move what is stopped
         self._good_ns: int | None = None  # the last good command; None while nobody is expected to send
         self.lease = ControlLease(to_ns(settings.lease_timeout))
         self.mode: SafetyMode = "hold"
@@ -93,29 +93,24 @@ class Watchdog:
         """Whether only an acknowledgement leads on."""
         return self.mode in _LATCHED
 
+    def stands(self, now_ns: int) -> bool:
+        """Whether the robot is to stand, whatever its guard would do."""
+        return self.latched and now_ns >= self._evades_until_ns
+
     def twist(self, now_ns: int) -> Twist:
         """The twist of the tool that is allowed at `now_ns` (base)."""
         return STILL if self.mode in _LATCHED else self._player.twist(now_ns)
 
-    @property
-    def stops_soon(self) -> bool:
-        """Whether a stop is due, and waits while the guard evades: commands are refused as in the stop itself."""
-        return self._due_ns is not None
-
-    def tick(self, now_ns: int, *, evading: bool = False) -> None:
-        """Let time act: timeouts and the end of a lease.
-
-        Args:
-            now_ns: robot clock.
-            evading: whether the guard takes the robot out of the way of something that moves.
-        """
+    def tick(self, now_ns: int) -> None:
+        """Let time act: timeouts and the end of a lease."""
         silent_ns = 0 if self._good_ns is None else now_ns - self._good_ns
         if self.mode == "run" and silent_ns > self._command_timeout_ns:
             self.holds += 1
             self._enter("hold", f"no good command for {silent_ns * 1e-9:.3f} s", now_ns)
         if self.mode == "hold" and silent_ns > self._stop_timeout_ns:
-            self._stop_or_evade(silent_ns, evading, now_ns)
-        if self.lease.expire(now_ns) and not (self.latched or self.stops_soon):
+            self._stop("stopped", f"no good command for {silent_ns * 1e-9:.3f} s", now_ns)
+            self._evades_until_ns = now_ns + self._evade_timeout_ns
+        if self.lease.expire(now_ns) and not self.latched:
             self._rest("the holder of control fell silent", now_ns)
 
     def receive(self, command: VelocityCommand, now_ns: int) -> bool:
@@ -153,15 +148,6 @@ class Watchdog:
             self._stop("stopped", why[:512], now_ns)
         self._stopped_ns = now_ns
 
-    def _stop_or_evade(self, silent_ns: int, evading: bool, now_ns: int) -> None:
-        why = f"no good command for {silent_ns * 1e-9:.3f} s"
-        if self._due_ns is None and evading and self._evade_timeout_ns:
-            self._due_ns = now_ns
-            self._player.clear()
-            self._enter("hold", f"{why}; stops once nothing comes at it", now_ns)
-        elif self._due_ns is None or not evading or now_ns - self._due_ns >= self._evade_timeout_ns:
-            self._stop("stopped", why, now_ns)
-
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
         lease, free = self.lease, self.lease.holder == 0
@@ -187,11 +173,10 @@ class Watchdog:
         if command.mode == "release":
             return "" if self.lease.waits(command.successor, now_ns) else "no-successor"
         if command.mode == "acknowledge":
-            unseen = self.stops_soon or (self.latched and self._is_before_stop(command))
-            return "unseen-stop" if unseen else ""
+            return "unseen-stop" if self.latched and self._is_before_stop(command) else ""
         if command.mode != "run":
             return ""
-        if self.latched or self.stops_soon:
+        if self.latched:
             return "stopped"
         if _fastest(command) > self._max_speed:
             return "too-fast"
@@ -247,7 +232,7 @@ class Watchdog:
         if command.mode == "release":
             self._release(command.successor, now_ns)
             return
-        if command.mode == "hold" and (self.latched or self.stops_soon):
+        if command.mode == "hold" and self.latched:
             return
         self.applied_session, self.applied_seq, self.applied_ns = command.session, command.seq, now_ns
         self._good_ns = now_ns
@@ -267,7 +252,7 @@ class Watchdog:
             reason = f"control was handed over to {self.lease.holder_name}"
         else:
             self.lease.release(now_ns)
-        if not (self.latched or self.stops_soon):
+        if not self.latched:
             self._rest(reason, now_ns)
 
     def _rest(self, reason: str, now_ns: int) -> None:
@@ -278,7 +263,7 @@ class Watchdog:
 
     def _stop(self, mode: SafetyMode, reason: str, now_ns: int) -> None:
         self._player.clear()
-        self._due_ns = None
+        self._evades_until_ns = 0
         if not self.latched:
             self.stops += 1
         if mode != self.mode:

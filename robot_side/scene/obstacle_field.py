@@ -22,13 +22,16 @@ class ObstacleField:
     Args:
         obstacles: as they are at `start_ns`.
         start_ns: robot clock.
+
+    Attributes:
+        moves: whether any of them does.
     """
 
     def __init__(self, obstacles: Sequence[Obstacle], start_ns: int) -> None:
         self._obstacles = tuple(obstacles)
         self._start_ns = self._table_ns = start_ns
         self._movers = [(index, way_of(o)) for index, o in enumerate(obstacles) if o.moves]
-        self._still = not self._movers
+        self.moves = bool(self._movers)
         self._table = surroundings_of(self._obstacles)
         # Spheres that stand or move straight on, the common case, are a loop over plain numbers.
         spheres = [(o, o.shape.radius) for o in obstacles if isinstance(o.shape, Sphere) and not o.path]
@@ -50,7 +53,7 @@ class ObstacleField:
 
     def at(self, now_ns: int) -> tuple[Obstacle, ...]:
         """The obstacles where they are at `now_ns`."""
-        if self._still:
+        if not self.moves:
             return self._obstacles
         t = (now_ns - self._start_ns) * 1e-9
         return tuple(moved(o, t) for o in self._obstacles)
@@ -66,7 +69,7 @@ class ObstacleField:
 
     def clearance(self, point: Vector3, radius: float, now_ns: int) -> float:
         """Distance of a sphere around `point` to the nearest obstacle at `now_ns` (m); 1e6 without any."""
-        t = 0.0 if self._still else (now_ns - self._start_ns) * 1e-9
+        t = 0.0 if not self.moves else (now_ns - self._start_ns) * 1e-9
         nearest = NOTHING_NEAR + radius
         if len(self._few) > _FEW:
             offsets = self._centres + t * self._velocities - np.asarray(point)

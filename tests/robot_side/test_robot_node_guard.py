@@ -94,7 +94,7 @@ def test_a_latched_stop_steps_aside_from_nothing():
 
 
 def _silent(**settings):
-    """Who drove is silent from 0.1 s on, beside a ball that comes at 0.2 m/s, and is there when the stop is due."""
+    """Who drove is silent from 0.1 s on, beside a ball that comes at 0.2 m/s, and is there when the stop is latched."""
     comes = {"id": "comes", "position": [0.65, 0.0, 0.43], "radius": 0.2, "velocity": [-0.2, 0.0, 0.0]}
     scenario = replace_settings(
         SCENARIO, {"obstacles": [comes], "start": [0.0, 0.0, 0.6], "targets": [[0.0, 0.5, 0.6]], **settings}
@@ -103,7 +103,7 @@ def _silent(**settings):
     link = ScriptedLink("r")
     node = RobotNode(scenario, robot, link, "r", session=9)
     now_ns, states, sent = node.step(0), [], False
-    while now_ns < 8e9:
+    while now_ns < 13e9:
         states += link.take("state")
         if states and not sent:
             sent = link.feed(command(1, velocity=(0.0, 0.0, 0.0), echo=echo_of(states[-1]))) is None
@@ -111,23 +111,20 @@ def _silent(**settings):
     return node.summary(), states
 
 
-def test_a_stop_that_is_due_waits_until_the_guard_has_taken_it_out_of_the_way():
+def test_in_a_stop_that_silence_brought_the_guard_still_steps_aside():
     result, states = _silent()
-    waits = [state for state in states if state.reason.endswith("stops once nothing comes at it")]
     stopped = [state for state in states if state.mode == "stopped"]
-    assert all(state.mode == "hold" for state in waits)
-    assert any(state.guard and state.guard.what == "evading" for state in waits)
-    assert 1.5e9 < waits[0].t_sent_ns < stopped[0].t_sent_ns < 6e9
-    assert all(state.velocity == pytest.approx((0.0, 0.0, 0.0), abs=0.02) for state in stopped[20:])
+    assert stopped[0].t_sent_ns < 1.7e9
+    assert any(state.guard and state.guard.what == "evading" for state in stopped)
     assert result.min_clearance is not None
     assert result.min_clearance > SCENARIO.guard.d_min
     assert (result.stops, result.holds) == (1, 1)
+    assert stopped[-1].velocity == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
 
 
-def test_told_not_to_wait_it_stops_in_the_way():
+def test_told_not_to_it_stands_in_the_way():
     result, states = _silent(**{"safety.evade_timeout": 0.0})
-    stopped = next(state for state in states if state.mode == "stopped")
-    assert stopped.t_sent_ns <= 1.6e9
+    assert all(state.guard is msgspec.UNSET for state in states if state.mode == "stopped")
     assert result.min_clearance is not None
     assert result.min_clearance < 0.0
 

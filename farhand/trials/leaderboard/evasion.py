@@ -45,7 +45,7 @@ class Moment:
     """Attributes:
     t: since the start (s).
     position, velocity: of the tool (m, m/s).
-    stopped: in a latched stop.
+    stopped: in a latched stop in which its guard, too, may not move it.
     """
 
     t: float

@@ -125,6 +125,7 @@ class Witness(Robot):
         self._clearance, self._measured_at = -NOTHING_NEAR, self._sample.position
         self._before: deque[Moment] = deque(maxlen=round((WINDOW + EVERY) * rate_hz))
         self._key, self._states, self._stopped = state_key(scenario.robot.kind), Decoder(RobotState), False
+        self._guarded, self._halted = scenario.guard.on, False
 
     def sample(self) -> RobotSample:
         """See Robot."""
@@ -133,11 +134,13 @@ class Witness(Robot):
 
     def step(self, twist: Twist, dt: float, surroundings: Surroundings | None = None) -> None:
         """See Robot."""
+        self._halted = False
         self._look(dt)
         self._robot.step(twist, dt, surroundings)
 
     def halt(self, dt: float) -> None:
         """See Robot."""
+        self._halted = True
         self._look(dt)
         self._robot.halt(dt)
 
@@ -177,7 +180,9 @@ class Witness(Robot):
             self._measured_at = sample.position
             seen.tool.look(self._clearance, dt)
         if self._evades:
-            self._before.append(Moment(tick * dt, sample.position, sample.velocity, self._stopped))
+            # for a while after some stops a guard may still step aside, see watchdog.py
+            stopped = self._stopped and (self._halted or not self._guarded)
+            self._before.append(Moment(tick * dt, sample.position, sample.velocity, stopped))
             if seen.tool.count > before:
                 seen.encounters.append(Encounter(tuple(self._before)))
         if tick % self._every == 0:

@@ -203,7 +203,8 @@ class ArmGuard:
         self.failures += status not in (SOLVED, YIELDED)
         self.pinched += what == kernel.PINCHED
         self.braked += what in (kernel.HALVED, kernel.BRAKING_NOW)
-        self.did = self._intervention(int(what), v, around) if said[kernel.PART] >= 0 else None
+        still = by_law and norm(v.tolist()) < SLOW and norm(w.tolist()) < SLOW
+        self.did = self._intervention(int(what), v, still, around) if said[kernel.PART] >= 0 else None
         return self._qd
 
     def crowded(self, joints: Joints, around: Surroundings) -> Crowding | None:
@@ -250,7 +251,7 @@ class ArmGuard:
         self.did = None
         return self._qd
 
-    def _intervention(self, what: int, v: Array, around: Surroundings) -> Intervention | None:
+    def _intervention(self, what: int, v: Array, still: bool, around: Surroundings) -> Intervention | None:
         report, parts = self._report, self.body.parts
         other = int(report[kernel.OTHER])
         if other >= 0:
@@ -260,7 +261,7 @@ class ArmGuard:
         asked, done = to_vector3(v.tolist()), to_vector3((self._J[:3] @ self._qd).tolist())
         if what in (kernel.HALVED, kernel.BRAKING_NOW):
             said: Deed | None = "braking"
-        elif moves and norm(asked) < SLOW and np.abs(self._qd).max() > STIRS:
+        elif still and moves and np.abs(self._qd).max() > STIRS:
             said = "evading"  # an elbow may do so beside a tool that stands
         else:
             said = deed(asked, done, moves=moves)

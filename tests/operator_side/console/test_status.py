@@ -11,6 +11,7 @@ from farhand.testing import report, state
 NEAR = Intervention(
     part="forearm", obstacle="ball", distance=0.031, limit=0.01, asked=0.2, done=0.05, what="slowed"
 )
+EVADES = msgspec.structs.replace(NEAR, part="tool", asked=0.0, done=0.2, what="evading")
 SLOWED = report(
     desired=(0.2, 0.0, 0.0),
     filtered=(0.05, 0.0, 0.0),
@@ -59,6 +60,7 @@ def situation(**more):
         (situation(driver="page 1", was_lost=3.2), "ready", "Connected again after 3.2 s. Nothing moves"),
         (situation(driver="page 1", watches=True, was_lost=3.2), "watching", "until page 1 presses anew."),
         (situation(driver="page 1", holds=True), "run", "As asked"),
+        (situation(state=state(mode="stopped", reason="x", guard=EVADES)), "stopped", "guard takes the tool out"),
         (situation(was_lost=3.2, state=state(mode="stopped", reason="x")), "stopped", "Connected again after 3.2 s. L"),
         (situation(was_lost=3.2, state=state(mode="estop", reason="by o")), "e-stop", "Connected again after 3.2 s. L"),
         (situation(driver="page 1", holds=True, state_age=0.6), "link lost", "what the robot does now is not known"),

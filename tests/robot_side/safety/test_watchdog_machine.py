@@ -30,7 +30,7 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.holder, self.heard, self.since = 0, 0, 0
         self.asked = {}
         self.mode, self.stopped = "hold", 0  # as after the last rule; when the latched stop began
-        self.due = None  # since when the stop waits for the guard
+        self.evades_until = 0  # until when the guard may move what silence stopped
 
     def command(self, session, mode, *, age_ms=50, seq=None, velocity=(0.1, 0.0, 0.0), echo=True, **fields):
         """The session's next command, built on a state that is `age_ms` old."""
@@ -51,7 +51,7 @@ class WatchdogMachine(RuleBasedStateMachine):
             assert self.watchdog.twist(self.now).linear == before[1]
         if self.watchdog.twist(self.now).linear != before[1]:
             assert self.watchdog.twist(self.now).linear == ZERO or self.holder == command.session
-        if obeyed and command.mode in ("run", "hold", "acknowledge") and not self.watchdog.stops_soon:
+        if obeyed and command.mode in ("run", "hold", "acknowledge"):
             self.last_good = self.now
         return obeyed
 
@@ -71,7 +71,7 @@ class WatchdogMachine(RuleBasedStateMachine):
 
     @rule(session=sessions, velocity=velocities, age_ms=st.integers(-100, 1500), n=st.integers(0, 12))
     def run(self, session, velocity, age_ms, n):
-        latched = self.watchdog.latched or self.watchdog.stops_soon
+        latched = self.watchdog.latched
         mine = self.take(session, self.knows(age_ms))
         obeyed = self.give(
             self.command(session, "run", velocity=velocity, age_ms=age_ms, plan=(velocity,) * n)
@@ -105,7 +105,6 @@ class WatchdogMachine(RuleBasedStateMachine):
         asks, held = self.holder not in (0, session), self.watchdog.refused["held"]
         mine = self.take(session, self.knows(age_ms))
         seen = self.mode not in LATCHED or self.now - age_ms * MS >= self.stopped
-        seen = seen and not self.watchdog.stops_soon
         obeyed = self.give(self.command(session, "acknowledge", age_ms=age_ms))
         assert obeyed == (mine and self.knows(age_ms) and seen)
         if asks and age_ms <= 1000:
@@ -146,32 +145,22 @@ class WatchdogMachine(RuleBasedStateMachine):
     def estop(self, session, seq):
         assert self.give(self.command(session, "estop", seq=seq, echo=False))
         assert self.watchdog.mode == "estop"
+        if self.mode != "estop":
+            self.evades_until = 0
 
     @rule()
     def fault(self):
         self.watchdog.fault("it broke", self.now)
         assert self.watchdog.mode == "stopped"
+        self.evades_until = 0
 
-    @rule(ms=st.integers(1, 700), evading=st.booleans())
-    def pass_time(self, ms, evading):
+    @rule(ms=st.integers(1, 700))
+    def pass_time(self, ms):
         latched, mode = self.watchdog.latched, self.watchdog.mode
         self.now += ms * MS
-        self.tick(evading)
+        self.tick()
         if latched:
             assert self.watchdog.mode == mode
-
-    @precondition(lambda self: self.watchdog.mode == "hold" and self.holder)
-    @rule(ms=st.integers(1, 12_000))
-    def fall_silent_before_a_mover(self, ms):
-        if not self.watchdog.stops_soon:
-            self.hold(self.holder)
-            self.now += 1501 * MS
-            self.tick(True)
-            assert self.watchdog.stops_soon
-        self.now += ms * MS
-        self.tick(True)
-        if ms >= LIMITS.evade_timeout * 1000:
-            assert not self.watchdog.stops_soon
 
     @precondition(lambda self: self.watchdog.mode == "run")
     @rule()
@@ -180,16 +169,16 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.tick()
         assert self.watchdog.mode in ("hold", "stopped")
 
-    def tick(self, evading=False):
-        waited = self.watchdog.stops_soon
-        self.watchdog.tick(self.now, evading=evading)
-        if waited and not evading:
-            assert self.watchdog.latched
+    def tick(self):
+        latched = self.watchdog.latched
+        self.watchdog.tick(self.now)
+        if self.watchdog.latched and not latched:
+            self.evades_until = self.now + LIMITS.evade_timeout * 1e9
         if self.holder and self.now - self.heard > LIMITS.lease_timeout * 1e9:
             self.holder, self.since = 0, self.now
             assert self.watchdog.lease.end == "silent"
 
-    @rule(ms=st.sampled_from([2001, 3001]))
+    @rule(ms=st.sampled_from([2001, 3001, 10_001]))
     def everybody_falls_silent(self, ms):
         self.now += ms * MS
         self.tick()
@@ -216,18 +205,14 @@ class WatchdogMachine(RuleBasedStateMachine):
             assert self.watchdog.twist(self.now).linear == ZERO
 
     @invariant()
-    def a_stop_waits_for_a_bounded_time(self):
-        if not self.watchdog.stops_soon:
-            self.due = None
-            return
-        self.due = self.now if self.due is None else self.due
-        assert self.watchdog.mode == "hold"
-        assert self.now - self.due < LIMITS.evade_timeout * 1e9
+    def a_latch_stands_still(self):
+        if self.watchdog.mode in LATCHED:
+            assert self.watchdog.twist(self.now).linear == ZERO
 
     @invariant()
-    def a_latch_stands_still(self):
-        if self.watchdog.mode in LATCHED or self.watchdog.stops_soon:
-            assert self.watchdog.twist(self.now).linear == ZERO
+    def only_silence_lets_the_guard_move_it(self):
+        stands = self.watchdog.latched and self.now >= self.evades_until
+        assert self.watchdog.stands(self.now) == stands
 
     @invariant()
     def silence_ends_motion(self):

@@ -74,38 +74,28 @@ def test_silence_plays_the_plan_out_then_stops(watchdog):
     assert watchdog.mode == "run"
 
 
-def test_a_stop_that_waits_for_the_guard_refuses_what_the_stop_would(watchdog):
-    assert watchdog.receive(command(1, plan=((0.1, 0.0, 0.0),) * 20), START)
-    watchdog.tick(START + 400 * MS)
-    assert watchdog.twist(START + 1500 * MS).linear != ZERO
-    due = START + 1501 * MS
-    watchdog.tick(due, evading=True)
-    assert (watchdog.mode, watchdog.stops_soon, watchdog.stops) == ("hold", True, 0)
-    assert watchdog.reason == "no good command for 1.501 s; stops once nothing comes at it"
-    assert watchdog.twist(due).linear == ZERO
-    for seq, mode, refusal in ((2, "run", "stopped"), (3, "acknowledge", "unseen-stop")):
-        assert not watchdog.receive(command(seq, mode, now=due), due)
-        assert watchdog.refused[refusal] == 1
-    watchdog.receive(command(4, "hold", now=due), due)
-    assert watchdog.stops_soon
-    watchdog.tick(due + 9999 * MS, evading=True)
-    assert watchdog.stops_soon
-    watchdog.tick(due + 10_000 * MS, evading=True)
-    assert (watchdog.mode, watchdog.stops_soon, watchdog.stops) == ("stopped", False, 1)
-
-
-def test_a_stop_that_waits_for_the_guard_outlasts_the_lease(watchdog):
+def test_what_silence_stopped_may_step_aside_for_a_while_and_then_stands(watchdog):
     watchdog.receive(command(1), START)
     watchdog.tick(START + 400 * MS)
-    watchdog.tick(START + 1501 * MS, evading=True)
-    gone = START + 2100 * MS
-    watchdog.tick(gone, evading=True)
-    assert watchdog.lease.holder == 0
-    assert watchdog.stops_soon
-    later = START + 2200 * MS
-    assert not watchdog.receive(command(1, session=8, now=later), later)
-    watchdog.tick(later)
+    stopped = START + 1501 * MS
+    watchdog.tick(stopped)
     assert watchdog.mode == "stopped"
+    assert not watchdog.stands(stopped + 9999 * MS)
+    assert watchdog.stands(stopped + 10_000 * MS)
+    assert watchdog.twist(stopped).linear == ZERO
+    watchdog.fault("it broke", stopped + 5000 * MS)
+    assert watchdog.stands(stopped + 5000 * MS)
+
+
+@pytest.mark.parametrize("stop", ["fault", "block", "estop"])
+def test_any_other_stop_stands_at_once(watchdog, stop):
+    watchdog.receive(command(1), START)
+    if stop == "estop":
+        watchdog.receive(command(2, "estop"), START)
+    else:
+        getattr(watchdog, stop)("it says so", START)
+    assert watchdog.latched
+    assert watchdog.stands(START)
 
 
 def test_hold_recovers_by_itself(watchdog):
