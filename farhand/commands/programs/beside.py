@@ -47,7 +47,7 @@ def record(
     """Record a running operator: what arrived, what it decided and why, as an MCAP file that opens in Foxglove.
 
     A program of its own, so that no disk disturbs control. It ends with the operator's program, or on Ctrl-C. What was
-    before it came is there as well, some minutes back. Exit code 1: something is missing, and is said.
+    before it came is there as well: the newest 3000 ticks. Exit code 1: something is missing, and is said.
     """
     from farhand.programs.recorder import RecorderOptions, recorder_program
 

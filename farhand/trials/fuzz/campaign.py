@@ -33,7 +33,8 @@ STOPPED = (-signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP)
 """Codes of a process that somebody ended: that is no finding."""
 PIECE = 200_000
 INPUTS = {
-    "codec": 3_000_000, "robot-intake": 500_000, "operator-messages": 700_000, "operator-tick": 10_000,
+    "codec": 3_000_000, "robot-intake": 500_000, "scene-requests": 200_000, "operator-messages": 700_000,
+    "operator-tick": 10_000,
     "steering": 250_000, "console-page": 40_000, "live-control": 200_000, "requests": 600_000,
     "answers": 400_000,
     "network-spec": 1_000_000, "scenario": 80_000, "timeline": 200_000, "recording": 30_000,

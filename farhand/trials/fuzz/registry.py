@@ -8,6 +8,7 @@ from farhand.trials.fuzz.target import Target
 NAMES = (
     "codec",
     "robot-intake",
+    "scene-requests",
     "operator-messages",
     "operator-tick",
     "steering",

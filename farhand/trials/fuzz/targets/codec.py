@@ -12,13 +12,15 @@ from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.description import RobotDescription
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.scene import Scene
+from farhand.common.messages.scene_request import SceneRequest
 from farhand.common.messages.state import RobotState
 from farhand.common.messages.steering import Steering
 from farhand.trials.fuzz.target import Target, check, finite
-from farhand.trials.fuzz.targets import operator_messages, robot_intake, steering
+from farhand.trials.fuzz.targets import operator_messages, robot_intake, scene_requests, steering
 
 KINDS: tuple[type[Message], ...] = (
-    VelocityCommand, RobotState, Scene, RobotDescription, Steering, CameraFrame, ControlReport
+    VelocityCommand, RobotState, Scene, RobotDescription, Steering, CameraFrame, ControlReport,
+    SceneRequest,
 )  # fmt: skip
 REASONS = {"length", "malformed", "checksum", "schema", "unknown-field", "non-finite", "type"}
 
@@ -33,6 +35,7 @@ def seeds() -> list[bytes]:
     ]
     ball = operator_messages.scene(obstacles=operator_messages.scene().obstacles[:1])
     others.append(b"\2" + msgspec.msgpack.encode(ball))
+    others += [b"\7" + each for each in scene_requests.seeds()[:2]]
     return [*commands, *others, *(b"\4" + each for each in steering.seeds()[:3])]
 
 
@@ -53,7 +56,7 @@ def start() -> Callable[[bytes], None]:
 
 
 TARGET = Target(
-    edge="the codec alone: all seven kinds of message",
+    edge="the codec alone: all eight kinds of message",
     promise="no number that is not finite, and no other schema, comes through; each refusal has one of seven reasons",
     seeds=seeds,
     start=start,
