@@ -18,8 +18,8 @@ print("result", sys.argv[1:], os.environ.get("MOOD"))
 for line in ("one", "two", "three"):
     print(line, file=sys.stderr, flush=True)
 try:
-    if "stay" in sys.argv:
-        threading.Event().wait()
+    while "stay" in sys.argv:  # a signal just before a wait without end would not end it
+        threading.Event().wait(0.1)
 except KeyboardInterrupt:
     print("interrupted", file=sys.stderr)
     sys.exit(5)
