@@ -13,7 +13,8 @@ from farhand.testing.programs import ask_farhand
 pytestmark = pytest.mark.realtime
 
 TALKER = """
-import os, sys, threading
+import os, signal, sys, threading
+signal.signal(signal.SIGINT, signal.default_int_handler)  # who runs these tests in the background ignores it
 print("result", sys.argv[1:], os.environ.get("MOOD"))
 for line in ("one", "two", "three"):
     print(line, file=sys.stderr, flush=True)
