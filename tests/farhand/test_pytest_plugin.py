@@ -64,11 +64,7 @@ def test_the_documented_example_fails_for_the_bad_controller(tmp_path):
     said = done.stdout
     assert done.returncode == 1, said + done.stderr
     assert "1 failed, 2 passed" in said
-    failed = re.search(
-        r"point-obstacle over constant:200, seed 0: not finished within 120 s: 0 of 3 targets reached; "
-        r"no progress: held by [\w :]+",
-        said,
-    )
+    failed = re.search(r"point-obstacle over constant:200, seed 0: took [\d.]+ s, longer than 60 s", said)
     assert failed, said
     assert failed[0] in DOCUMENT.read_text(encoding="utf-8")
 
