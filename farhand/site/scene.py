@@ -80,7 +80,7 @@ class SceneServer(OperatorDesk):
             return
         try:
             change = msgspec.msgpack.decode(request.payload[:_MOST_BYTES], type=Change)
-        except (msgspec.MsgspecError, ValueError) as error:
+        except (msgspec.MsgspecError, ValueError, RecursionError, OverflowError) as error:
             request.reply(refusal(f"the request cannot be read: {error}"))
             return
         self._say(f"asks for a change of the scene, for `farhand scene {change.deed}`")

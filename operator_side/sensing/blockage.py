@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from farhand.common.messages.base import ZERO, Vector3
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.sides import Free, way_round
@@ -52,7 +50,7 @@ class Blockage:
 
     @staticmethod
     def _find(wanted: Vector3, free: Free, obstacle: Callable[[], str]) -> Blocked:
-        name = "" if free(np.array([wanted]))[0] else obstacle()
+        name = "" if free([wanted])[0] else obstacle()
         way = way_round(wanted, free) if name else None
         return Blocked(name, way.side if way is not None else "")
 

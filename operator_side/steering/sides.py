@@ -69,26 +69,20 @@ def turned_towards(velocity: Vector3, across: Vector3, angle: float) -> Vector3:
         across: where to; its part along the velocity does not matter.
         angle: (rad).
     """
-    speed = norm(velocity)
-    along = sum(a * v for a, v in zip(across, velocity, strict=True)) / speed**2
-    side = [a - along * v for a, v in zip(across, velocity, strict=True)]
-    length = norm(side)
+    side, length = _aside(velocity, across)
     if length < _ALONG:
         return velocity
-    c, s = math.cos(angle), math.sin(angle) * speed / length
+    c, s = math.cos(angle), math.sin(angle) * norm(velocity) / length
     x, y, z = (c * v + s * a for v, a in zip(velocity, side, strict=True))
     return (x, y, z)
 
 
 def fan(velocity: Vector3, across: Vector3) -> Array:
     """(k, 3) a velocity turned by each of ANGLES towards a direction; see turned_towards."""
-    v, a = np.array(velocity), np.array(across)
-    speed = norm(velocity)
-    side = a - float(a @ v) / speed**2 * v
-    length = norm(side.tolist())
+    v, (side, length) = np.array(velocity), _aside(velocity, across)
     if length < _ALONG:
         return np.tile(v, (len(ANGLES), 1))
-    turned: Array = _TURNS[:, :1] * v + _TURNS[:, 1:] * (speed / length * side)
+    turned: Array = _TURNS[:, :1] * v + _TURNS[:, 1:] * (norm(velocity) / length * np.array(side))
     return turned
 
 
@@ -102,6 +96,13 @@ def way_round(velocity: Vector3, free: Free) -> WayRound | None:
         if found is not None:
             return WayRound(SIDES[found % len(SIDES)], ANGLES[first + found // len(SIDES)])
     return None
+
+
+def _aside(velocity: Vector3, across: Vector3) -> tuple[Vector3, float]:
+    """The part of a direction that is across a velocity, and its length."""
+    along = sum(a * v for a, v in zip(across, velocity, strict=True)) / norm(velocity) ** 2
+    x, y, z = (a - along * v for a, v in zip(across, velocity, strict=True))
+    return (x, y, z), norm((x, y, z))
 
 
 def _cross(a: Vector3, b: Vector3) -> Vector3:

@@ -5,7 +5,8 @@ was free to move, and a constant velocity from there on under which it stays cle
 true ways, until TAIL after the violation began. Velocities: zero, and 26 directions at shares of what the robot takes;
 it follows them with its lag. A latched stop after that instant holds in the way as it did in the run.
 
-It was *run over* if it stood in a latched stop when the violation began: then it may not move, whatever comes.
+It was *run over* if it stood in a latched stop when the violation began: then it may not move, whatever comes. The
+seconds of a stop in which its guard may still step aside are none of that.
 
 What is not judged, arms and scenes in which nothing moves, counts as evadable: there it is enough to stop in time.
 """

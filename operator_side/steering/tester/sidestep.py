@@ -7,8 +7,6 @@ and fro. The wish is turned before the filter, which judges it like any other.
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from farhand.common.geometry import norm
 from farhand.common.messages.base import Vector3
 from farhand.operator_side.steering.sides import (
@@ -129,10 +127,7 @@ class Sidestep:
         return turned_towards(wanted, step.across, step.angle)
 
     def _begin(self, wanted: Vector3, instant: Instant) -> _Step | None:
-        if (
-            not self._progress.lacking(wanted, instant.velocity, instant.now_ns)
-            or instant.free(np.array([wanted]))[0]
-        ):
+        if not self._progress.lacking(wanted, instant.velocity, instant.now_ns) or instant.free([wanted])[0]:
             return None
         way = way_round(wanted, instant.free)
         if way is None:

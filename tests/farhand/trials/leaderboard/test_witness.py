@@ -6,13 +6,21 @@ import numpy as np
 import pytest
 
 from farhand.common.geometry import STILL
+from farhand.common.link.link import Packet
+from farhand.common.messages.codec import encode
+from farhand.common.messages.keys import state_key
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.runs.scenario import load_scenario, replace_settings
+from farhand.testing import messages
 from farhand.trials.leaderboard.scenes import GAP, SCENES
 from farhand.trials.leaderboard.smoothness import spectral_arc_length
 from farhand.trials.leaderboard.witness import Witness
 
 DT = 0.002
+MOVER = {
+    "obstacles": [{"id": "m", "position": [3.0, 0.0, 3.0], "radius": 0.1, "velocity": [0.1, 0.0, 0.0]}],
+    "targets": [[1.0, 0.0, 1.3]],
+}
 
 
 class Straight(Robot):
@@ -47,6 +55,22 @@ def test_depth_and_time_of_a_violation_are_those_of_geometry():
     assert tool.seconds == pytest.approx(2.0 * half, abs=2.5 * DT)
     assert tool.count == 1
     assert not witness.stands
+
+
+@pytest.mark.parametrize(
+    ("guard", "halted", "stands"), [(True, False, False), (True, True, True), (False, False, True)]
+)
+def test_a_stop_counts_as_one_only_where_the_guard_may_not_move_the_robot(guard, halted, stands):
+    scenario = replace_settings(load_scenario("point-obstacle"), {"guard.on": guard, **MOVER})
+    witness = Witness(Straight(), scenario)
+    stopped = messages.state(mode="stopped", reason="no good command")
+    witness.robot_sent(Packet(state_key(scenario.robot.kind), encode(stopped)))
+    witness.sample()
+    if halted:
+        witness.halt(DT)
+    else:
+        witness.step(STILL, DT)
+    assert [moment.stopped for moment in witness._before] == [stands]
 
 
 def test_a_robot_that_gets_nowhere_stands():
