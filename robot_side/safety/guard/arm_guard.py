@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from farhand.common.geometry import Array, norm, to_vector3
-from farhand.common.messages.intervention import SLOW, Deed, Intervention, deed
+from farhand.common.messages.intervention import Intervention, deed
 from farhand.robot_side.arm.chain import ArmChain
 from farhand.robot_side.arm.model import ArmModel
 from farhand.robot_side.kernel import body as moving
@@ -34,8 +34,6 @@ BRAKING = 3.0  # m/s^2
 ROW_SHARE, STOP_SHARE = 0.3, 0.5
 PUSH = 0.1  # m/s
 ANSWER = 0.1  # s
-STIRS = 0.01
-"""rad/s of any joint: that is moving, whether the tool does or not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,8 +201,7 @@ class ArmGuard:
         self.failures += status not in (SOLVED, YIELDED)
         self.pinched += what == kernel.PINCHED
         self.braked += what in (kernel.HALVED, kernel.BRAKING_NOW)
-        still = by_law and norm(v.tolist()) < SLOW and norm(w.tolist()) < SLOW
-        self.did = self._intervention(int(what), v, still, around) if said[kernel.PART] >= 0 else None
+        self.did = self._intervention(int(what), v, around) if said[kernel.PART] >= 0 else None
         return self._qd
 
     def crowded(self, joints: Joints, around: Surroundings) -> Crowding | None:
@@ -251,7 +248,7 @@ class ArmGuard:
         self.did = None
         return self._qd
 
-    def _intervention(self, what: int, v: Array, still: bool, around: Surroundings) -> Intervention | None:
+    def _intervention(self, what: int, v: Array, around: Surroundings) -> Intervention | None:
         report, parts = self._report, self.body.parts
         other = int(report[kernel.OTHER])
         if other >= 0:
@@ -259,12 +256,7 @@ class ArmGuard:
         else:
             name, moves = parts[self.body.pairs[-1 - other, 1]], False
         asked, done = to_vector3(v.tolist()), to_vector3((self._J[:3] @ self._qd).tolist())
-        if what in (kernel.HALVED, kernel.BRAKING_NOW):
-            said: Deed | None = "braking"
-        elif still and moves and np.abs(self._qd).max() > STIRS:
-            said = "evading"  # an elbow may do so beside a tool that stands
-        else:
-            said = deed(asked, done, moves=moves)
+        said = "braking" if what in (kernel.HALVED, kernel.BRAKING_NOW) else deed(asked, done, moves=moves)
         if said is None:
             return None
         return Intervention(
