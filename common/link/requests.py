@@ -107,8 +107,8 @@ class Desk:
 
 
 def refusal(why: str) -> bytes:
-    """The reply to a request that is not done."""
-    return msgspec.json.encode({"ok": False, "error": why})
+    """The reply to a request that is not done: one line, whatever words of the request's it repeats."""
+    return msgspec.json.encode({"ok": False, "error": " ".join(why.split())})
 
 
 def answer_in(payload: bytes) -> dict[str, Any]:

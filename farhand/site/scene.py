@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import zenoh
 
+from farhand.common.errors import InputError
 from farhand.common.link.link import Link, Packet
 from farhand.common.link.requests import Request, refusal
 from farhand.common.messages.codec import Decoder
@@ -79,7 +80,10 @@ class SceneServer(OperatorDesk):
             request.reply(refusal("another change of the scene is on its way; ask again"))
             return
         try:
-            change = msgspec.msgpack.decode(request.payload[:_MOST_BYTES], type=Change)
+            change = checked(msgspec.msgpack.decode(request.payload[:_MOST_BYTES], type=Change))
+        except InputError as error:
+            request.reply(refusal(str(error)))
+            return
         except (msgspec.MsgspecError, ValueError, RecursionError, OverflowError) as error:
             request.reply(refusal(f"the request cannot be read: {error}"))
             return

@@ -1,13 +1,15 @@
 """What is known, sent and decided by whoever changes a robot's scene: a state machine that is told the time."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import msgspec
+from msgspec import Meta
 
 from farhand.common.errors import InputError
 from farhand.common.messages.base import Echo, Name
 from farhand.common.messages.codec import encode
-from farhand.common.messages.scene import Obstacle, Scene
+from farhand.common.messages.scene import MAX_OBSTACLES, Obstacle, Scene
 from farhand.common.messages.scene_request import MOST_BYTES_ASKED, SceneDeed, SceneRequest
 from farhand.common.messages.state import RobotState
 
@@ -16,8 +18,8 @@ class Change(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What is wanted; see SceneRequest."""
 
     deed: SceneDeed
-    obstacles: tuple[Obstacle, ...] = ()
-    gone: tuple[Name, ...] = ()
+    obstacles: Annotated[tuple[Obstacle, ...], Meta(max_length=MAX_OBSTACLES)] = ()
+    gone: Annotated[tuple[Name, ...], Meta(max_length=MAX_OBSTACLES)] = ()
 
 
 def checked(change: Change) -> Change:
@@ -30,6 +32,9 @@ def checked(change: Change) -> Change:
             raise InputError(
                 f"scene {change.deed} {name!r}: no name of an obstacle; expected 1 to 64 characters"
             ) from None
+    many = max(len(change.obstacles), len(change.gone))
+    if many > MAX_OBSTACLES:
+        raise InputError(f"scene {change.deed}: {many} obstacles; a scene has at most {MAX_OBSTACLES}")
     size = len(msgspec.msgpack.encode(change))
     if size > MOST_BYTES_ASKED:
         raise InputError(

@@ -67,6 +67,6 @@ def _ask(session: zenoh.Session, key: str, wanted: object, kind: type[B]) -> B |
             return msgspec.msgpack.decode(reply.ok.payload.to_bytes(), type=kind)
         except (msgspec.MsgspecError, ValueError) as error:
             raise RunFileError(
-                f"an answer for {key} cannot be read: {error}; is it another version?"
+                f"an answer for {key} cannot be read: {' '.join(str(error).split())}; is it another version?"
             ) from None
     return None

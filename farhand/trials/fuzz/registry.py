@@ -5,32 +5,19 @@ import importlib
 from farhand.common.errors import InputError
 from farhand.trials.fuzz.target import Target
 
-NAMES = (
-    "codec",
-    "robot-intake",
-    "scene-requests",
-    "operator-messages",
-    "operator-tick",
-    "steering",
-    "console-page",
-    "live-control",
-    "requests",
-    "answers",
-    "network-spec",
-    "scenario",
-    "timeline",
-    "recording",
-    "trace",
-    "rate-and-model",
-    "ros2-cdr",
-    "mesh",
-    "urdf",
-    "ur-rtde-server",
-    "ur-rtde-client",
-    "ur-script",
-    "ur-dashboard",
-)
-"""In the order of the table."""
+TARGETS = "farhand.trials.fuzz.targets"
+ROOMS = {
+    "wire": (
+        "codec", "robot-intake", "scene-requests", "operator-messages", "operator-tick", "steering", "ros2-cdr",
+    ),
+    "desks": ("console-page", "scene-words", "live-control", "requests", "answers"),
+    "files": (
+        "network-spec", "scenario", "timeline", "recording", "trace", "rate-and-model", "mesh", "urdf",
+    ),
+    "ur": ("ur-rtde-server", "ur-rtde-client", "ur-script", "ur-dashboard"),
+}  # fmt: skip
+"""Packages of `targets`, and the names of the targets in each, in the order of the table."""
+NAMES = tuple(name for names in ROOMS.values() for name in names)
 
 
 def check_name(name: str) -> None:
@@ -42,6 +29,7 @@ def check_name(name: str) -> None:
 def target_called(name: str) -> Target:
     """The target of a name; raises InputError for one that there is not."""
     check_name(name)
-    module = importlib.import_module(f"farhand.trials.fuzz.targets.{name.replace('-', '_')}")
+    room = next(room for room, names in ROOMS.items() if name in names)
+    module = importlib.import_module(f"{TARGETS}.{room}.{name.removeprefix('ur-').replace('-', '_')}")
     found: Target = module.TARGET
     return found

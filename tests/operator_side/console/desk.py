@@ -19,7 +19,7 @@ ROUND = 0.005
 HEEDS = """
 window.doneAt = null;
 for (const kind of ['keyup', 'pointerup', 'blur'])
-  addEventListener(kind, e => window.doneAt ??= performance.timeOrigin + e.timeStamp, {capture: true});
+  addEventListener(kind, () => window.doneAt ??= performance.timeOrigin + performance.now(), {capture: true});
 """
 NOW = "window.doneAt = performance.timeOrigin + performance.now();"
 
@@ -97,8 +97,9 @@ class Desk:
     def lets_go_after(self, deed, by_page=False):
         """How long the operator's program was told to move after a deed (s).
 
-        From when the page's browser itself had it, with `by_page`: the script that drives a busy browser is heard
-        later. Less what this very loop was held up: a processor that others had is not what is looked at.
+        From when the page was handed it, with `by_page`: the script that drives a busy browser is heard later, and
+        the browser may keep an input before the page has it (0.4 s seen under load). Less what this very loop was
+        held up: a processor that others had is not what is looked at.
         """
         if by_page:
             self.browser.run(HEEDS)

@@ -16,7 +16,8 @@ from farhand.trials.fuzz import campaign
 from farhand.trials.fuzz.mutation import mutated
 from farhand.trials.fuzz.registry import NAMES, target_called
 from farhand.trials.fuzz.target import FindingError
-from farhand.trials.fuzz.targets import recording, robot_intake
+from farhand.trials.fuzz.targets.files import recording
+from farhand.trials.fuzz.targets.wire import robot_intake
 
 KEPT = Path(__file__).parent / "corpus"
 SLOW = {"operator-tick": 25, "recording": 60, "console-page": 100, "ur-script": 100, "live-control": 150}
@@ -37,6 +38,7 @@ def conversation(*last):
 
 REGRESSIONS = {
     "scenario": [b'name="x"\nstart=[0,0,0]\ntargets=[[1,0,0]]\n[margin."a\\nb"]\nx=1'],
+    "scene-words": [msgspec.msgpack.encode({"deed": "set", "\nfarhand: all is well": 1})],
     "timeline": [b'"a\\nb"=1', b'[[at]]\ntime=1\ndo="set"\n"x\\ny"=1'],
     "console-page": [b"\0" + msgspec.msgpack.encode({"kind": "steer", "\nfarhand: all is well": 1})],
     "recording": [recording.seeds()[1].replace(b"farhand/r/state", b"farhand/\x95/state")],

@@ -19,7 +19,7 @@ from farhand.common.recording.run_file import RunFile
 from farhand.report.reading.story import read_story
 from farhand.trials.fuzz.files import scratch
 from farhand.trials.fuzz.target import Target, one_line
-from farhand.trials.fuzz.targets.operator_messages import report, state
+from farhand.trials.fuzz.targets.wire.operator_messages import report, state
 
 INFO = RunInfo(
     scenario={"name": "x", "controller": {"d_min": 0.05, "period": 0.1}}, robot="r", session=7, seed=1, versions={}

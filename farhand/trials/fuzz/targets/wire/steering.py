@@ -13,7 +13,7 @@ from farhand.operator_side.steering.device import View
 from farhand.operator_side.steering.hand.remote import Remote
 from farhand.operator_side.steering.targets import Targets
 from farhand.trials.fuzz.target import Target, check
-from farhand.trials.fuzz.targets.operator_messages import scene, state
+from farhand.trials.fuzz.targets.wire.operator_messages import scene, state
 
 DRIVER, OTHER = 2_000_003, 2_000_005
 MS = 1_000_000

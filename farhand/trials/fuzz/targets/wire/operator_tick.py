@@ -16,7 +16,7 @@ from farhand.operator_side.prepare import prepare
 from farhand.operator_side.steering.registry import make_device
 from farhand.runs.scenario import load_scenario
 from farhand.trials.fuzz.target import Target, check
-from farhand.trials.fuzz.targets.operator_messages import description, scene, state
+from farhand.trials.fuzz.targets.wire.operator_messages import description, scene, state
 
 OPERATOR = 1_000_007
 PERIOD_NS = 100_000_000

@@ -26,6 +26,12 @@ THERE = (
     Obstacle(id="mover", position=(0.5, 0.5, 0.3), shape=Box((0.1, 0.1, 0.1)), velocity=(0.0, -0.1, 0.0)),
 )
 CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))
+PATH = ((0.0, 0.6, 0.2), (0.4, 0.6, 0.2))
+COMING = (
+    Obstacle(id="ball", position=(0.0, 0.6, 0.2), shape=Sphere(0.05), velocity=(0.1, 0.0, 0.0)),
+    Obstacle(id="s", position=PATH[0], shape=Sphere(0.05), path=PATH, speed=0.2, acceleration=1.0),
+    Obstacle(id="wedge", position=(0.3, 0.3, 0.1), shape=Mesh(CORNERS)),
+)
 
 
 def request(age_ns: int = 50_000_000, **fields: Any) -> bytes:
@@ -44,10 +50,7 @@ def request(age_ns: int = 50_000_000, **fields: Any) -> bytes:
 
 def seeds() -> list[bytes]:
     """Good ones, and one of each kind that is refused."""
-    ball = Obstacle(id="ball", position=(0.0, 0.6, 0.2), shape=Sphere(0.05), velocity=(0.1, 0.0, 0.0))
-    path = ((0.0, 0.6, 0.2), (0.4, 0.6, 0.2))
-    shuttle = Obstacle(id="s", position=path[0], shape=Sphere(0.05), path=path, speed=0.2, acceleration=1.0)
-    wedge = Obstacle(id="wedge", position=(0.3, 0.3, 0.1), shape=Mesh(CORNERS))
+    ball, shuttle, wedge = COMING
     whole = SceneRequest(
         source="alice", session=3, seq=1, t_sent_ns=9, echo=Echo(ROBOT, 3, NOW_NS, 0), deed="set", base=0,
         obstacles=(ball,),

@@ -13,7 +13,7 @@ from farhand.common.messages.steering import Steering
 from farhand.operator_side.console.console import Console
 from farhand.operator_side.console.said import Hello, Pictured, SaidError, read_said
 from farhand.trials.fuzz.target import Target, check, one_line
-from farhand.trials.fuzz.targets.operator_messages import description, report, scene, state
+from farhand.trials.fuzz.targets.wire.operator_messages import description, report, scene, state
 
 MS = 1_000_000
 NOW_NS = 9_000_000_000

@@ -16,7 +16,7 @@ from farhand.common.messages.scene_request import SceneRequest
 from farhand.common.messages.state import RobotState
 from farhand.common.messages.steering import Steering
 from farhand.trials.fuzz.target import Target, check, finite
-from farhand.trials.fuzz.targets import operator_messages, robot_intake, scene_requests, steering
+from farhand.trials.fuzz.targets.wire import operator_messages, robot_intake, scene_requests, steering
 
 KINDS: tuple[type[Message], ...] = (
     VelocityCommand, RobotState, Scene, RobotDescription, Steering, CameraFrame, ControlReport,

@@ -1,0 +1,1 @@
+"""A UR's controller, and who talks to it."""

@@ -1,0 +1,1 @@
+"""Messages between programs that may be on other hosts."""
