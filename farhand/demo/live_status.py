@@ -46,6 +46,7 @@ class StatusView:
         self._said = ("", "")
         self._guard: Intervention | None = None  # the newest since the last line
         self._around = SceneWords()
+        self._told_around = ""  # in the last line that said it: lines stay, so that it need not be said again
 
     def __enter__(self) -> "StatusView":
         if self._console.is_terminal:
@@ -94,7 +95,9 @@ class StatusView:
         elif self._is_due(shown, now_ns):
             if report is not None:
                 report, self._guard = msgspec.structs.replace(report, guard=self._guard), None
-            told = line(report, shown, elapsed, self._around.words(now_ns))
+            around = self._around.words(now_ns)
+            told = line(report, shown, elapsed, "" if around == self._told_around else around)
+            self._told_around = around if told.endswith(around) else self._told_around
             self._console.print(told, highlight=False, markup=False, soft_wrap=True)
 
     def _note(self, clearance: float, sent_ns: int) -> None:

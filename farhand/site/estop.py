@@ -39,7 +39,8 @@ class EstopServer(OperatorDesk):
     def look(self, request: Request | None, now_ns: int) -> None:
         """See OperatorDesk."""
         if request is not None and self._has_done(lambda node: node.emergency_stop(), request):
-            self._say("emergency stop, asked for by `farhand estop`")
+            if len(self._pending) == 1:  # it asks again and again until it is confirmed
+                self._say("emergency stop, asked for by `farhand estop`")
             self._give_up_ns = now_ns + GIVE_UP_NS
         if not self._pending:
             return

@@ -31,6 +31,9 @@ AGAIN_NS = 100_000_000
 REPEATED_NS = 1_000_000_000
 """For so long a change is announced again and again: a network may lose some."""
 
+SAID_MOST = 160
+"""Letters of why something is no request: it may repeat words of a stranger's."""
+
 HEAD_BYTES = 2_000
 """Of a request, beside its obstacles."""
 
@@ -159,7 +162,8 @@ class SceneIntake:
             return None
         request = self._decoder.decode(payload)
         if request is None:
-            self.newest_refusal = "what is no request"
+            why = " ".join(self._decoder.last_refusal.split())
+            self.newest_refusal = f"what is no request: {why[:SAID_MOST]}"
         return request
 
     def _staleness(self, request: SceneRequest, now_ns: int) -> str:

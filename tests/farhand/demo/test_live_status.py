@@ -153,6 +153,20 @@ def test_a_log_says_what_is_waited_for_then_drives_then_ages():
     assert len(lines) == 6
 
 
+def test_what_is_around_is_in_a_line_once_and_again_when_it_has_changed():
+    post, ball = Obstacle("post", (0.5, 0.0, 0.2), 0.1), Obstacle("ball", (0.5, 0.4, 0.2), 0.1)
+    scenes = {20: scene(0, post), 70: scene(1, post), 90: scene(2, post, ball, revision=1)}
+    file = io.StringIO()
+    with StatusView("r at here", Console(file=file, width=80)) as view:
+        for tenth in range(121):
+            now_ns = tenth * S // 10
+            view.see([(scenes[tenth], now_ns)] if tenth in scenes else [])
+            driving = report(tenth, **DRIVING | {"states": tenth + 1})
+            view.update([Arrived(driving, now_ns)], now_ns, connected=True)
+    told = [text.partition("obstacle")[2] for text in file.getvalue().splitlines()]
+    assert told == ["", ", as in its scenario", "", "", "", "s, changed 1 s ago", "s, changed 3 s ago"]
+
+
 def test_a_device_that_asks_for_nothing_is_explained():
     for index, said in ((1, "nothing is asked of the robot"), (2, "all targets are reached")):
         idle = {"stop_reason": "device not engaged", "target_index": index, "target_count": 2}
