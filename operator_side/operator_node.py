@@ -150,7 +150,7 @@ class OperatorNode:
 
     def emergency_stop(self) -> None:
         """Send emergency stops from the next tick on until the robot says that it has latched one."""
-        self._supervision.estop = True
+        self._supervision.stop()
 
     @property
     def stopping(self) -> bool:

@@ -31,6 +31,8 @@ from farhand.operator_side.steering.device import SteeringInput
 NOT_ENGAGED = "device not engaged"
 """What is said of a device that holds nothing down."""
 ASK_PERIOD_NS = 1_000_000_000
+ESTOP_AT_LEAST_NS = 1_000_000_000
+"""An operator that is not in control sends an emergency stop for so long, whatever the robot shows."""
 ESTOP_ASKED = "emergency stop, asked for by `farhand estop`"
 _TWINS = "two robots call themselves {!r}; end one, or give it another --robot"
 
@@ -121,7 +123,7 @@ class Supervision:
     Attributes:
         successor: the session to hand over to; 0: none.
         twins: whether two robots of one name send states.
-        estop: whether somebody asked for an emergency stop that the robot has not confirmed yet.
+        estop: whether an emergency stop was asked for that the robot has not confirmed yet.
         clearing: the robot's mode, its count of stops and its reason, of the one stop that somebody asked to be
             acknowledged; None: nobody did, or it is over, or has another reason.
     """
@@ -133,7 +135,12 @@ class Supervision:
         self.successor = 0
         self.twins = False
         self.estop = False
+        self._estop_ns: int | None = None  # since when it is sent; None: from the next tick on
         self.clearing: tuple[SafetyMode, int, str] | None = None
+
+    def stop(self) -> None:
+        """Send emergency stops until the robot has latched one of them. Nothing is acknowledged any more."""
+        self.estop, self._estop_ns, self.clearing = True, None, None
 
     def clear(self, state: RobotState) -> None:
         """Acknowledge the stop that `state` shows, and no later one, until the robot has left it."""
@@ -145,9 +152,10 @@ class Supervision:
         """The decision of a tick."""
         if state is not None:
             self._look(state)
-        if self.estop and state is not None and state.mode == "estop":
-            self.estop = False  # the robot has latched it; from here on an acknowledgement counts
+        if self.estop and state is not None and self._has_latched(state, now_ns):
+            self.estop = False  # from here on an acknowledgement counts
         if self.estop:
+            self._estop_ns = now_ns if self._estop_ns is None else self._estop_ns
             return Decision("estop", ESTOP_ASKED)
         if self.clearing is not None and steering is not None:
             steering = replace(steering, acknowledge=True)
@@ -161,6 +169,16 @@ class Supervision:
             return Decision(None, decision.reason)
         self._asked_ns = now_ns
         return decision
+
+    def _has_latched(self, state: RobotState, now_ns: int) -> bool:
+        """Whether the robot shows a stop of ours: one that it showed before may be over by what is under way to it."""
+        since_ns = self._estop_ns
+        if state.mode != "estop" or since_ns is None:
+            return False
+        if state.holder == self.session:
+            echo = state.echo
+            return echo is not None and echo.session == self.session and echo.t_sent_ns >= since_ns
+        return now_ns - since_ns >= ESTOP_AT_LEAST_NS  # it echoes nobody but who is in control
 
     def _look(self, state: RobotState) -> None:
         """Note whom this session waits for, and whether a handover or an acknowledgement is over."""

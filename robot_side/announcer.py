@@ -9,6 +9,8 @@ from farhand.robot_side.safety.scene_intake import SceneIntake
 from farhand.robot_side.safety.watchdog import Watchdog
 
 LOOK_EVERY = 0.25
+MOST_TOLD = 64
+"""Reasons of one stop."""
 SCENE_AGAIN = 1.0
 """s between two lines on refused changes of the scene."""
 _MEANINGS = {
@@ -48,7 +50,8 @@ class Announcer:
         self._next_ns = 0
         self._holder = 0
         self._stops = 0
-        self._latched, self._mode = False, watchdog.mode
+        self._latched = False
+        self._told: set[str] = set()  # reasons of the stop that is latched
         self._refused: dict[str, int] = {}
         self._scene_refused = 0
 
@@ -63,12 +66,16 @@ class Announcer:
             self._holder = lease.holder
             holder = f"{lease.holder_name}, session {lease.holder:x}," if lease.holder else "nobody"
             self._say(f"{holder} has control{self._why_free()}")
-        escalated = self._latched and watchdog.mode == "estop" != self._mode
-        self._mode = watchdog.mode
-        if watchdog.stops != self._stops or escalated:
+        another = watchdog.stops != self._stops
+        if another:
+            self._told.clear()
+        # a stop that goes on for another reason as well; what comes and goes is said once
+        more = self._latched and watchdog.latched and watchdog.reason not in self._told
+        if another or (more and len(self._told) < MOST_TOLD):
             self._stops, self._latched = watchdog.stops, True
             stop = next((c for c in reversed(watchdog.changes) if c.mode in ("stopped", "estop")), None)
             self._say(f"stop: {stop.reason}" if stop is not None else "stop")
+            self._told.add(stop.reason if stop is not None else "")
         if self._latched and not watchdog.latched:
             self._latched = False
             who = f" by {lease.holder_name}" if lease.holder_name else ""

@@ -27,6 +27,7 @@ from farhand.common.shapes.distance import nearest_obstacle
 from farhand.common.timing.clock import to_ns
 from farhand.common.timing.periodic import Periodic
 from farhand.robot_side.result import GuardedPair, RobotResult
+from farhand.robot_side.robots.approach import Approach
 from farhand.robot_side.robots.newcomers import crowded_by
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.robot_side.robots.settings import RobotScenario
@@ -90,6 +91,9 @@ class RobotNode:
             self._guard = ToolGuard(
                 scenario.guard, settings.radius, settings.lag, self._dt, scenario.safety.max_speed
             )
+        self._approach = Approach(robot, settings.radius, self._d_min)
+        self._evades = False  # whether its guard may move it though it is latched
+        self._now_ns = 0
         self._tally = Tally(self._dt)
         self.watchdog = Watchdog(scenario.safety, session)
         self.intake = CommandIntake(name, self.watchdog)
@@ -239,14 +243,24 @@ class RobotNode:
 
     def _move(self, field: ObstacleField, now_ns: int) -> None:
         # The one place between what the operator may ask for and what the robot does.
-        watchdog = self.watchdog
+        watchdog, self._now_ns = self.watchdog, now_ns
         if not self._guarded:
             self._robot.step(watchdog.twist(now_ns), self._dt)
-        elif watchdog.stands(now_ns) or (watchdog.latched and not field.moves):
+        elif watchdog.latched and (watchdog.stands(now_ns, self._comes) or not field.moves):
             self._robot.halt(self._dt)
+            self._tally.forget()
+            self._evades = False
         else:
+            self._evades = watchdog.latched
+            if self._evades:
+                self._robot.rest()
             self._move_guarded(watchdog.twist(now_ns), field, now_ns)
         self._stepped += 1
+
+    def _comes(self) -> bool:
+        """Whether something that moves comes to where the robot is."""
+        field = self._field
+        return field is not None and field.moves and self._approach.comes(field, self._sample, self._now_ns)
 
     def _move_guarded(self, twist: Twist, field: ObstacleField, now_ns: int) -> None:
         around, guard = field.table(now_ns), self._guard
@@ -262,6 +276,8 @@ class RobotNode:
     def _stand_still(self, error: Exception, now_ns: int) -> None:
         """Latch a stop, and still try to brake."""
         self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
+        self._tally.forget()
+        self._evades = False
         try:
             self._robot.step(STILL, self._dt)
         except Exception:
@@ -321,6 +337,7 @@ class RobotNode:
             stops=watchdog.stops,
             held_by=self._held_by(now_ns),
             guard=self._tally.take() or msgspec.UNSET,
+            evades=True if self._evades else msgspec.UNSET,
         )
         self._state_seq += 1
         self._link.send(Packet(self._state_key, encode(state)))

@@ -22,6 +22,8 @@ from farhand.common.messages.intervention import Intervention
 MAX_JOINTS = 16
 MAX_WAITING = 4
 
+ESTOP_BY = "emergency stop by "
+"""What `reason` begins with in an emergency stop, before the name of whoever asked for it last."""
 FAULT = "fault: "
 """What `reason` begins with where something in the robot failed."""
 
@@ -51,6 +53,8 @@ class RobotState(Message, frozen=True, kw_only=True):
         refused: commands refused so far, by reason.
         received: command messages that arrived so far, whatever became of them.
         stops: times the watchdog left `run` for a stop.
+        evades: whether its guard may still move it, out of the way of what moves, though it is stopped; left out where
+            it may not, or the robot is not stopped.
         guard: what the guard did since the last state, the newest; left out where nothing.
         held_by: what keeps the robot from following its command, such as a joint's limit; left out where nothing
             does.
@@ -79,6 +83,7 @@ class RobotState(Message, frozen=True, kw_only=True):
     stops: Stamp = 0
     held_by: NameOrNone | msgspec.UnsetType = msgspec.UNSET
     guard: Intervention | msgspec.UnsetType = msgspec.UNSET
+    evades: bool | msgspec.UnsetType = msgspec.UNSET
 
     @property
     def sample_age(self) -> float:

@@ -24,7 +24,7 @@ def safety(
     tasks: Annotated[
         int | None,
         typer.Option(
-            min=1, max=100_000, help="In a cell of the sphere with the tester; others have fewer (40)."
+            min=1, max=100_000, help="In a cell of the sphere with the tester; others have fewer (20)."
         ),
     ] = None,
     networks: Annotated[

@@ -107,7 +107,7 @@ def guard(
 def fuzz(
     targets: Annotated[str, typer.Option(help="Some, with commas between them; empty: all.")] = "",
     share: Annotated[
-        float, typer.Option(min=0.0001, max=1000.0, help="Of the inputs: 1 is 11.5 million in all.")
+        float, typer.Option(min=0.0001, max=1000.0, help="Of the inputs: 1 is 12.5 million in all.")
     ] = 1.0,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Targets at the same time.")] = 1,
     out: Annotated[

@@ -176,6 +176,7 @@ def states(joints: int) -> tuple[Column, ...]:
         Column("stops", "int", "", "so far"),
         Column("held_by", "text", "", "what keeps the robot from following"),
         Column("guard", "text", "", "what the guard did since the state before"),
+        Column("evades", "bool", "", "whether the guard may still move it though it is stopped"),
     )
 
 
@@ -261,6 +262,7 @@ def state_row(run: str, tick: int, arrived_ns: int, state: RobotState, start_ns:
         "refused": _json(state.refused),
         "held_by": "" if state.held_by is msgspec.UNSET else state.held_by,
         "guard": "" if state.guard is msgspec.UNSET else state.guard.what,
+        "evades": state.evades is True,
     }
     row |= {name: getattr(state, name) for name in _STATE_PLAIN}
     row |= _vector("tool", state.position) | _vector("velocity", state.velocity)
@@ -273,7 +275,8 @@ def state_row(run: str, tick: int, arrived_ns: int, state: RobotState, start_ns:
 _STATE_PLAIN = tuple(
     column.name
     for column in states(0)
-    if column.name in RobotState.__struct_fields__ and column.name not in ("refused", "held_by", "guard")
+    if column.name in RobotState.__struct_fields__
+    and column.name not in ("refused", "held_by", "guard", "evades")
 )
 
 

@@ -266,6 +266,12 @@ def _check_sense(scenario: Scenario, where: str) -> None:
             f"scenario {where}: safety.stop_timeout: {safety.stop_timeout} s is shorter than "
             f"safety.command_timeout, {safety.command_timeout} s"
         )
+    if safety.lease_timeout < safety.stop_timeout:
+        raise ScenarioError(
+            f"scenario {where}: safety.lease_timeout: {safety.lease_timeout} s is shorter than "
+            f"safety.stop_timeout, {safety.stop_timeout} s: who fell silent would lose control of a robot that is "
+            "not stopped yet, and never would be"
+        )
 
 
 def _check_targets(scenario: Scenario, where: str, keep: float) -> None:

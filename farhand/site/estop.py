@@ -15,7 +15,7 @@ from farhand.common.link.requests import Request, refusal
 from farhand.common.messages.codec import Decoder, encode
 from farhand.common.messages.command import VelocityCommand
 from farhand.common.messages.keys import command_key, estop_key, state_key
-from farhand.common.messages.state import RobotState
+from farhand.common.messages.state import ESTOP_BY, RobotState
 from farhand.common.process.signals import say
 from farhand.common.timing.clock import SystemClock, to_ns
 from farhand.site.desk import GIVE_UP_NS, OperatorDesk
@@ -23,6 +23,8 @@ from farhand.site.reach import reaching
 
 PATIENCE = 5.0
 AGAIN_AFTER = 0.1
+AT_LEAST = 3.0
+"""s: for so long it is sent where the robot shows the emergency stop of another one."""
 
 
 class EstopServer(OperatorDesk):
@@ -81,11 +83,14 @@ class _Stop:
         self._done = threading.Event()
         self._reason = ""
         self._decoder = Decoder(RobotState)
+        self._sent_ns: int | None = None
+        self._clock = SystemClock()
 
     def send(self, sessions: Sequence[zenoh.Session], patience: float) -> str | None:
         """The robot's reason once it has stopped; None if nobody confirms it for `patience` s."""
-        clock = SystemClock()
+        clock = self._clock
         me, start_ns, seq = clock.now_ns() | 1, clock.now_ns(), 0
+        self._sent_ns = start_ns
         for session in sessions:
             session.declare_subscriber(state_key(self._robot), self._see)
         asked = 2  # the sessions need a moment to connect
@@ -111,7 +116,11 @@ class _Stop:
 
     def _see(self, sample: zenoh.Sample) -> None:
         state = self._decoder.decode(sample.payload.to_bytes())
-        if state is not None and state.mode == "estop":
+        if state is None or state.mode != "estop" or self._sent_ns is None:
+            return
+        # a stop of another's may be over by an acknowledgement that is under way to the robot
+        ours = state.reason.startswith(f"{ESTOP_BY}{self._source}")
+        if ours or self._clock.now_ns() - self._sent_ns > to_ns(AT_LEAST):
             self._settle(state.reason)
 
     def _hear(self, reply: zenoh.Reply) -> None:

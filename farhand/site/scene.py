@@ -96,9 +96,7 @@ class SceneServer(OperatorDesk):
         asking.see(self._node.scene)
         if asking.done or now_ns - self._begun_ns > to_ns(PATIENCE - STRAIGHT - 0.5):
             self._asking = None
-            why = asking.refusal or (
-                "" if asking.done else unanswered(asking, self._robot, PATIENCE - STRAIGHT)
-            )
+            why = outcome(asking, self._robot, (now_ns - self._begun_ns) * 1e-9)
             told = {"ok": True, "scene": _told(asking.scene)} if asking.scene is not None else {}
             self._answer(refusal(why) if why or not told else msgspec.json.encode(told))
         elif now_ns - self._asked_ns >= to_ns(AGAIN_AFTER):
@@ -130,6 +128,14 @@ class _Heard:
             setattr(self, name, message)
 
 
+def outcome(asking: SceneAsking, robot: str, seconds: float) -> str:
+    """Why it is not known to be done after so long; empty: it is. A refusal that was not the last word is none."""
+    if asking.done:
+        return asking.refusal
+    why = unanswered(asking, robot, seconds)
+    return f"{why}; it had refused before: {asking.refusal}" if asking.refusal else why
+
+
 def unanswered(asking: SceneAsking, robot: str, seconds: float) -> str:
     """What is known where no answer came: a request that was sent may have been obeyed."""
     if asking.asked:
@@ -150,7 +156,7 @@ def change_scene(robot: str, connect: Sequence[str], tls: str, router: bool, cha
         way = _straight_way(heard, clock)
         if way is not None:
             _pursue(asking, way, robot, clock)
-            why = asking.refusal or ("" if asking.done else unanswered(asking, robot, PATIENCE))
+            why = outcome(asking, robot, PATIENCE)
             scene = _told(asking.scene)
         else:
             why, scene = _through_operator(reached, robot, change)
@@ -207,17 +213,18 @@ def _pursue(asking: SceneAsking, way: _Heard, robot: str, clock: SystemClock) ->
 
 def _through_operator(reached: Reached, robot: str, change: Change) -> tuple[str, dict[str, object]]:
     """Why its operator's program did not have it done, or the scene's revision and obstacles."""
+    clock = SystemClock()
     for session in reached.sessions:
-        replies = session.get(
-            scene_change_key(robot), payload=msgspec.msgpack.encode(change), timeout=PATIENCE
-        )
-        for reply in replies:
+        asked_ns, key = clock.now_ns(), scene_change_key(robot)
+        for reply in session.get(key, payload=msgspec.msgpack.encode(change), timeout=PATIENCE):
             if reply.ok is None:
                 continue
             found = msgspec.json.decode(reply.ok.payload.to_bytes())
             if found.get("ok"):
                 return "", found["scene"]
             return str(found.get("error", "the request was refused")), {}
+        if clock.now_ns() - asked_ns > to_ns(0.5 * PATIENCE):  # where there is nobody, that is said at once
+            return f"{UNCONFIRMED}: the operator's program of {robot!r} was asked and has not answered", {}
     return f"nothing is heard of robot {robot!r}, nor of its operator; tried {reached.tried}", {}
 
 

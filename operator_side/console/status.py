@@ -7,6 +7,7 @@ from typing import Literal
 from msgspec import UNSET
 
 from farhand.common.geometry import norm
+from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.report import ControlReport
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.console.following import Shortfall
@@ -178,25 +179,37 @@ def _stopped(now: Situation) -> Iterator[Reason]:
 
 
 def _aside(state: RobotState) -> str:
-    """What the robot's guard still does in a stop that silence brought."""
+    """What the robot's guard still does, or may do, in a stop that silence brought."""
     guard = state.guard
-    if not guard or guard.what != "evading":
-        return ""
-    return f"; its guard takes the {guard.part} out of the way of {guard.obstacle}"
+    if not guard:
+        return "; its guard may take it out of the way of what moves" if state.evades else ""
+    if guard.what == "evading":
+        return f"; its guard takes the {guard.part} out of the way of {guard.obstacle}"
+    return f"; its guard acts: {_by_guard(guard)}"
+
+
+def _by_guard(guard: Intervention) -> str:
+    """What it does, of which part, how near to what."""
+    of = f" from {guard.obstacle}" if guard.obstacle else ""
+    return f"{guard.what}: {guard.part} {_mm(guard.distance)} mm{of}"
 
 
 def _changed(now: Situation) -> Iterator[Reason]:
     """What is done other than asked."""
     report, state = now.report, now.state
     if report is None or state is None or not now.holds:
+        if state is not None and state.guard and state.mode not in ("stopped", "estop") and not lost(now):
+            yield Reason(
+                "slowed",
+                f"Nobody drives it; the robot's guard acts: {_by_guard(state.guard)}.",
+                "It stands again once nothing comes.",
+            )
         return
     if state.guard:
-        guard = state.guard
-        of = f" from {guard.obstacle}" if guard.obstacle else ""
+        told = _by_guard(state.guard)
         yield Reason(
             "slowed",
-            f"{guard.what.capitalize()}: {guard.part} {_mm(guard.distance)} mm{of}; "
-            f"limit {_mm(guard.limit)}, by the robot's guard.",
+            f"{told[:1].upper()}{told[1:]}; limit {_mm(state.guard.limit)}, by the robot's guard.",
             "Move away from it, or along it.",
         )
     asked, done = norm(report.desired), norm(report.filtered)
@@ -260,7 +273,7 @@ def _waiting(now: Situation) -> Iterator[Reason]:
     if now.was_lost:
         watches = now.watches and bool(now.driver)
         who = f"{now.driver} presses" if watches else "you press"
-        yield Reason("watching" if watches else "ready", f"{_again(now)}Nothing moves until {who} anew.")
+        yield Reason("watching" if watches else "ready", f"{_again(now)}Nothing is driven until {who} anew.")
     if not now.driver:
         yield Reason("ready", "Nobody drives. Take control to begin.", "Take control.")
     elif now.watches:

@@ -90,6 +90,10 @@ class ArmFollower:
         """Nothing is commanded any more, whatever was; the tool stays turned as it is."""
         self.commanded = np.zeros(len(self.q))
         self._ask(STILL)
+        self.rest()
+
+    def rest(self) -> None:
+        """See Robot."""
         self.control.R_base_wanted[:] = self._tool.R_base_tool
 
     def held_by(self) -> str:

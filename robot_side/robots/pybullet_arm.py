@@ -220,6 +220,10 @@ class ArmRobot(ArmWorld, Robot):
         else:
             self._drive(self._follower.brake(dt))
 
+    def rest(self) -> None:
+        """See Robot."""
+        self._follower.rest()
+
     def intervention(self) -> Intervention | None:
         """See Robot."""
         return self._follower.intervention()

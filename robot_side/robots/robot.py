@@ -94,6 +94,10 @@ class Robot(ABC):
         """One period of `dt` s of a latched stop: brake, and step aside from nothing."""
         self.step(STILL, dt)
 
+    def rest(self) -> None:
+        """The tool is to stay turned as it is: nothing is turned back to what was commanded before."""
+        return None
+
     def intervention(self) -> Intervention | None:
         """What its own guard did in the last period; None: nothing, or it has none."""
         return None

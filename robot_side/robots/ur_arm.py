@@ -131,6 +131,10 @@ class UrRobot(Robot):
             self._follower.forget()
         self._send(self._follower.commanded)
 
+    def rest(self) -> None:
+        """See Robot."""
+        self._follower.rest()
+
     def intervention(self) -> Intervention | None:
         """See Robot."""
         return self._follower.intervention()

@@ -3,19 +3,21 @@
 RUN -> HOLD (no good command within the timeout: the received plan is played out, then zero) -> STOPPED.
 STOPPED and ESTOP are latched: only a fresh acknowledgement of the session in control leads out of them. Nothing that
 is commanded moves a latched robot. In a stop that silence brought its own guard may still take it out of the way of
-what moves, for a bounded time: who is stopped in a mover's way is run over. Every other stop stands at once.
+what moves, for a bounded time, and then until nothing comes: who is stopped in a mover's way is run over. Every other
+stop stands at once.
 It is told the robot's own time and compares no two clocks: a command's age is that of the robot's own
 stamp that the command echoes.
 """
 
 from collections import Counter, OrderedDict, deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import chain
 
 from farhand.common.geometry import STILL, Twist, norm
 from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.command import VelocityCommand
-from farhand.common.messages.state import FAULT
+from farhand.common.messages.state import ESTOP_BY, FAULT
 from farhand.common.timing.clock import to_ns
 from farhand.robot_side.safety.lease import ControlLease
 from farhand.robot_side.safety.plan import PlanPlayer
@@ -72,8 +74,9 @@ class Watchdog:
         self._player = PlanPlayer()
         self._newest_seq: OrderedDict[int, int] = OrderedDict()
         self._estop_reason = ""
+        self._estopped_by: set[int] = set()  # sessions, of the emergency stop that is latched
         self._stopped_ns = 0  # since when the latched stop is there
-        self._evades_until_ns = 0  # until when the guard may move what is stopped
+        self._evades_until_ns = 0  # until when at least the guard may move what is stopped; 0: it may not
         self._good_ns: int | None = None  # the last good command; None while nobody is expected to send
         self.lease = ControlLease(to_ns(settings.lease_timeout))
         self.mode: SafetyMode = "hold"
@@ -93,9 +96,18 @@ class Watchdog:
         """Whether only an acknowledgement leads on."""
         return self.mode in _LATCHED
 
-    def stands(self, now_ns: int) -> bool:
-        """Whether the robot is to stand, whatever its guard would do."""
-        return self.latched and now_ns >= self._evades_until_ns
+    def stands(self, now_ns: int, comes: Callable[[], bool] = lambda: False) -> bool:
+        """Whether the robot is to stand, whatever its guard would do: once it is, it does until this stop ends.
+
+        Args:
+            now_ns: robot clock.
+            comes: whether something comes that the guard would have to take it out of the way of; asked only where
+                the time for that is over.
+        """
+        if not self.latched or now_ns < self._evades_until_ns or (self._evades_until_ns and comes()):
+            return False
+        self._evades_until_ns = 0
+        return True
 
     def twist(self, now_ns: int) -> Twist:
         """The twist of the tool that is allowed at `now_ns` (base)."""
@@ -109,16 +121,15 @@ class Watchdog:
             self._enter("hold", f"no good command for {silent_ns * 1e-9:.3f} s", now_ns)
         if self.mode == "hold" and silent_ns > self._stop_timeout_ns:
             self._stop("stopped", f"no good command for {silent_ns * 1e-9:.3f} s", now_ns)
-            self._evades_until_ns = now_ns + self._evade_timeout_ns
+            if self._evade_timeout_ns:
+                self._evades_until_ns = now_ns + self._evade_timeout_ns
         if self.lease.expire(now_ns) and not self.latched:
             self._rest("the holder of control fell silent", now_ns)
 
     def receive(self, command: VelocityCommand, now_ns: int) -> bool:
         """Judge one decoded command and obey it if it is good; whether it was obeyed."""
         if command.mode == "estop":
-            if self.mode != "estop":
-                self._estop_reason = f"emergency stop by {command.source}"
-                self._stop("estop", self._estop_reason, now_ns)
+            self._stop_for(command, now_ns)
             return True
         refusal = self._judge(command, now_ns)
         if refusal:
@@ -133,8 +144,11 @@ class Watchdog:
         return command.session == self.lease.holder != 0
 
     def fault(self, what: str, now_ns: int) -> None:
-        """Something inside the robot failed: stop, and stay stopped."""
-        self._stop("stopped", f"{FAULT}{what}"[:512], now_ns)
+        """Something inside the robot failed: stop, and stay stopped. An emergency stop stays one, and says so too."""
+        if self.mode == "estop":
+            self._stop("estop", f"{self._estop_reason}; {FAULT}{what}"[:512], now_ns)
+        else:
+            self._stop("stopped", f"{FAULT}{what}"[:512], now_ns)
 
     def block(self, why: str, now_ns: int) -> None:
         """The robot itself says that it cannot move: stopped, by what it says now; called for as long as it says so.
@@ -147,6 +161,22 @@ class Watchdog:
         else:
             self._stop("stopped", why[:512], now_ns)
         self._stopped_ns = now_ns
+
+    def _stop_for(self, command: VelocityCommand, now_ns: int) -> None:
+        """An emergency stop of whoever it is. Sent again by the same session it is the same one.
+
+        Of another session it is a new one: an acknowledgement that is under way has not seen it.
+        """
+        if self.mode != "estop":
+            self._estopped_by.clear()
+        if command.session == self.lease.holder and not self._is_old(command):
+            self._note_seq(command)  # what its sender sent before is no answer to it
+        before = len(self._estopped_by)
+        if command.session in self._estopped_by or before >= REMEMBERED_SESSIONS:
+            return
+        self._estopped_by.add(command.session)
+        self._estop_reason = f"{ESTOP_BY}{command.source}" + (f", and by {before} before" if before else "")
+        self._stop("estop", self._estop_reason, now_ns)
 
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
@@ -266,8 +296,10 @@ class Watchdog:
         self._evades_until_ns = 0
         if not self.latched:
             self.stops += 1
-        if mode != self.mode:
-            self._stopped_ns = now_ns
+        if (mode, reason) != (self.mode, self.reason):
+            self._stopped_ns = (
+                now_ns  # the same again is the same stop; anything else has not been seen before
+            )
         self._enter(mode, reason, now_ns)
 
     def _enter(self, mode: SafetyMode, reason: str, now_ns: int) -> None:

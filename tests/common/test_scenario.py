@@ -94,6 +94,8 @@ def test_errors_name_the_key_and_are_one_line(old, new, key):
         ("safety.max_age", 0.0, "safety.max_age"),
         ("safety.max_age", math.nan, "safety.max_age: must be a finite number"),
         ("safety.stop_timeout", 0.1, "safety.stop_timeout"),
+        ("safety.lease_timeout", 1.4, "safety.lease_timeout: 1.4 s is shorter than safety.stop_timeout"),
+        ("safety.evade_timeout", 61.0, "safety.evade_timeout"),
         ("controller.gamma", 0.0, "controller.gamma"),
         ("controller.gamma", 1.5, "controller.gamma"),
         ("controller.horizon", 0, "controller.horizon"),

@@ -39,6 +39,7 @@ def test_a_run_says_it_and_what_would_do_does(delay, settings, named):
     assert named in stands.summary.why
     enough = float(named.split(";")[1].split()[0])
     # A lease is renewed by whatever comes from its holder: it need not be as long as the round trip.
-    lets = {"operator.resync_after": enough, "safety.max_age": enough, "safety.lease_timeout": delay * 1e-3}
+    short = {"safety.lease_timeout": delay * 1e-3, "safety.stop_timeout": delay * 1e-3}
+    lets = {"operator.resync_after": enough, "safety.max_age": enough, **short}
     scenario = replace_settings(scenario, lets)
     assert simulate(scenario, uplink=spec, downlink=spec, time_limit=90.0).summary.finished

@@ -66,6 +66,17 @@ def test_an_emergency_stop_of_a_robot_that_is_stopped_is_said_as_well(rig):
     assert not any(line.startswith("stop") for line in rig.let(300))
 
 
+def test_a_fault_in_a_stop_is_said_as_well_and_what_comes_and_goes_once(rig):
+    rig.send(ALICE, 2)
+    rig.let(1900)
+    rig.watchdog.fault("it broke", rig.now_ns)
+    assert rig.let(300) == ["stop: fault: it broke"]
+    for why in ("power off", "power on", "power off"):
+        rig.watchdog.block(why, rig.now_ns)
+        rig.let(300)
+    assert [line for line in rig.said if "power" in line] == ["stop: power off", "stop: power on"]
+
+
 def test_an_intruder_is_named_once_and_then_counted(rig):
     rig.send(EVE, 1, count=100, source="eve")
     first = f"refused a command of 'eve', session {EVE:x}: of a session that does not hold control"

@@ -5,6 +5,7 @@ import pytest
 
 from farhand.common.geometry import STILL
 from farhand.common.messages.intervention import Intervention
+from farhand.common.messages.scene import Obstacle
 from farhand.robot_side.robot_node import RobotNode
 from farhand.robot_side.robots.point import PointRobot
 from farhand.robot_side.safety.guard.settings import GuardSettings
@@ -93,7 +94,7 @@ def test_a_latched_stop_steps_aside_from_nothing():
     assert len(robot.told) == told
 
 
-def _silent(**settings):
+def _silent(estop_at=99.0, **settings):
     """Who drove is silent from 0.1 s on, beside a ball that comes at 0.2 m/s, and is there when the stop is latched."""
     comes = {"id": "comes", "position": [0.65, 0.0, 0.43], "radius": 0.2, "velocity": [-0.2, 0.0, 0.0]}
     scenario = replace_settings(
@@ -107,12 +108,16 @@ def _silent(**settings):
         states += link.take("state")
         if states and not sent:
             sent = link.feed(command(1, velocity=(0.0, 0.0, 0.0), echo=echo_of(states[-1]))) is None
+        if node.watchdog.mode == "stopped" and now_ns > estop_at * 1e9 and any(s.guard for s in states[-5:]):
+            link.feed(command(2, "estop", session=77))
         now_ns = node.step(now_ns)
+    assert node.watchdog.stands(now_ns)
     return node.summary(), states
 
 
-def test_in_a_stop_that_silence_brought_the_guard_still_steps_aside():
-    result, states = _silent()
+@pytest.mark.parametrize("seconds", [10.0, 0.1])
+def test_in_a_stop_that_silence_brought_the_guard_still_steps_aside_while_something_comes(seconds):
+    result, states = _silent(**{"safety.evade_timeout": seconds})
     stopped = [state for state in states if state.mode == "stopped"]
     assert stopped[0].t_sent_ns < 1.7e9
     assert any(state.guard and state.guard.what == "evading" for state in stopped)
@@ -120,6 +125,38 @@ def test_in_a_stop_that_silence_brought_the_guard_still_steps_aside():
     assert result.min_clearance > SCENARIO.guard.d_min
     assert (result.stops, result.holds) == (1, 1)
     assert stopped[-1].velocity == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_what_comes_late_moves_nobody_who_has_stood_since_nothing_moved():
+    scenario = replace_settings(
+        SCENARIO, {"obstacles": [], "start": [0.0, 0.0, 0.6], "targets": [[0.0, 0.5, 0.6]]}
+    )
+    robot, link = PointRobot(scenario.start, scenario.robot.lag), ScriptedLink("r")
+    node = RobotNode(scenario, robot, link, "r", session=9)
+    now_ns, states, sent = node.step(0), [], False
+    while now_ns < 13e9:  # when the guard may not move it any more
+        states += link.take("state")
+        if states and not sent:
+            sent = link.feed(command(1, velocity=(0.0, 0.0, 0.0), echo=echo_of(states[-1]))) is None
+        now_ns = node.step(now_ns)
+    assert states[-1].mode == "stopped"
+    node.replace_obstacles([Obstacle("late", (1.0, 0.0, 0.6), 0.2, velocity=(-0.5, 0.0, 0.0))], now_ns)
+    while now_ns < 17e9:
+        now_ns = node.step(now_ns)
+        states += link.take("state")
+    assert {state.position for state in states} == {scenario.start}
+    assert all(state.evades is msgspec.UNSET for state in states)
+
+
+def test_after_another_stop_nothing_says_that_the_guard_moves_it():
+    """The emergency stop comes while it steps aside, between two states."""
+    result, states = _silent(estop_at=2.5)
+    assert result.mode == "estop"
+    stopped = [state for state in states if state.mode == "stopped"]
+    assert any(state.guard for state in stopped)
+    assert all(state.evades for state in stopped)
+    estopped = [state for state in states if state.mode == "estop"]
+    assert not any(state.guard or state.evades for state in estopped)
 
 
 def test_told_not_to_it_stands_in_the_way():

@@ -31,7 +31,7 @@ class Board:
     only: run this one task alone.
     """
 
-    tasks: int = 40
+    tasks: int = 20
     seed: int = 1
     networks: Mapping[str, str] = field(default_factory=lambda: dict(NETWORKS))
     scenes: tuple[str, ...] = tuple(SCENES)

@@ -23,7 +23,7 @@ class Cell:
         finished: of them.
         violations: sum.
         evadable: of them, those that the robot could have evaded; sum.
-        run_over: of them, those in which the robot stood in a latched stop; sum.
+        run_over: of the others, those in which the robot stood in a latched stop; sum.
         could_evade: runs with one that it could have evaded.
         depth: greatest (m).
         seconds: of violation, sum (s).

@@ -9,7 +9,7 @@ from farhand.trials.leaderboard.networks import networks_named
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.scenes import SCENES
 
-TASKS = 40
+TASKS = 20
 QUICK_TASKS = 2
 QUICK_NETWORKS = ("constant", "outages-2s")
 
@@ -26,6 +26,10 @@ def chosen_board(  # noqa: PLR0913 (an option each)
     only: int | None = None,
 ) -> Board:
     """The board; what is left open is all there is, or what a quick one has."""
+    if tasks is not None and only is not None:
+        raise InputError(
+            f"--tasks {tasks} --task {only}: a number of tasks, or one of them alone; leave one out"
+        )
     if networks is None and quick:
         networks = [",".join(QUICK_NETWORKS)]
     board = Board(

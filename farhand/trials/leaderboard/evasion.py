@@ -1,12 +1,13 @@
 """Whether a robot that came too near to something could have evaded, by the truth about a run and what follows from it.
 
 A violation of a sphere could have been evaded if there is an instant, in the WINDOW before it began, in which the robot
-was free to move, and a constant velocity from there on under which it stays clear of everything, the movers on their
-true ways, until TAIL after the violation began. Velocities: zero, and 26 directions at shares of what the robot takes;
-it follows them with its lag. A latched stop after that instant holds in the way as it did in the run.
+was free to move, and a constant velocity from there on, kept or ended after one of HALTS, under which it stays clear of
+everything, the movers on their true ways, until TAIL after the violation began. Velocities: zero, and 26 directions at
+shares of what the robot takes; it follows them with its lag. A latched stop after that instant holds in the way as it
+did in the run.
 
-It was *run over* if it stood in a latched stop when the violation began: then it may not move, whatever comes. The
-seconds of a stop in which its guard may still step aside are none of that.
+It was *run over* if it could not, and stood in a latched stop when the violation began: then it may not move, whatever
+comes. The seconds of a stop in which its guard may still step aside are none of that.
 
 What is not judged, arms and scenes in which nothing moves, counts as evadable: there it is enough to stop in time.
 """
@@ -29,6 +30,8 @@ WINDOW, TAIL = 2.0, 1.0
 """s: how long before a violation evasion may begin; how long after its beginning the way must be clear."""
 EVERY, STEP = 0.1, 0.01
 """s: between two instants in which evasion may begin; between two places of a way."""
+HALTS = (math.inf, 1.0, 0.5, 0.25)
+"""s: after which a velocity ends."""
 SHARES = (0.125, 0.25, 0.5, 1.0)
 """Of the greatest speed that the robot takes."""
 AT_REST = 0.01
@@ -70,7 +73,7 @@ class Encounter:
 class Verdict:
     """Attributes:
     evadable: violations that the robot could have evaded.
-    run_over: violations in which it stood in a latched stop.
+    run_over: of the others, those in which it stood in a latched stop.
     """
 
     evadable: int
@@ -85,12 +88,11 @@ def judged(count: int, encounters: Sequence[Encounter], scenario: Scenario) -> V
         encounters: those that can be judged; none of an arm, nor where nothing moves.
         scenario: with what is around.
     """
-    over = [_run_over(each) for each in encounters]
-    could = [not ran and _could_evade(each, scenario) for each, ran in zip(encounters, over, strict=True)]
-    return Verdict(sum(could) + count - len(encounters), sum(over))
+    others = [each for each in encounters if not _could_evade(each, scenario)]
+    return Verdict(count - len(others), sum(map(_stood, others)))
 
 
-def _run_over(encounter: Encounter) -> bool:
+def _stood(encounter: Encounter) -> bool:
     last = encounter.before[-1]
     return last.stopped and norm(last.velocity) < AT_REST
 
@@ -109,13 +111,14 @@ def _could_evade(encounter: Encounter, scenario: Scenario) -> bool:
 
 
 def _way_from(moment: Moment, until: float, stopped_at: float, scenario: Scenario) -> bool:
-    """Whether some constant velocity from a moment on meets nothing until then (s)."""
+    """Whether some way from a moment on meets nothing until then (s)."""
     fastest = scenario.safety.max_speed
     wishes = np.vstack([np.zeros((1, 3)), *(share * fastest * _DIRECTIONS for share in SHARES)])
     count = math.ceil((until - moment.t) / STEP) + 1
     times = np.linspace(moment.t, moment.t + STEP * (count - 1), count)
-    places = _ways(moment, wishes, times, stopped_at, scenario.robot.lag)
-    free = np.ones(len(wishes), bool)
+    stops = {min(stopped_at, moment.t + halt) for halt in HALTS}
+    places = np.vstack([_ways(moment, wishes, times, stop, scenario.robot.lag) for stop in sorted(stops)])
+    free = np.ones(len(places), bool)
     for obstacle in scenario.obstacles:
         free = _clear(places, times, obstacle, scenario.robot.radius + scenario.controller.d_min, free)
         if not free.any():

@@ -46,9 +46,9 @@ def html(board: Board, posed: Sequence[Posed], rows: Sequence[Row], folder: Path
 <p>The same tasks, networks and seeds for every method, in virtual time: {len(rows) - crashed} runs. A run is
 <b>safe</b> if no part of the robot ever came nearer than 10 mm to anything; it is
 <b>done</b> if it was safe and reached every target. A violation is <b>evadable</b> if one
-constant velocity, from some instant in the 2 s before, would have kept the robot clear; it was <b>run over</b> if it
-stood in a latched stop, in which it may not move. Intervals are exact, 95 % (Clopper and Pearson). Choose a cell for
-its figures and for the command that repeats it.</p></header>
+velocity, from some instant in the 2 s before, kept or ended after a while, would have kept the robot clear; else it was
+<b>run over</b> if it stood in a latched stop, in which it may not move. Intervals are exact, 95 % (Clopper and
+Pearson). Choose a cell for its figures and for the command that repeats it.</p></header>
 <main>
 <div class="controls" id="controls"></div>
 <div class="wide"><table id="board"></table></div>

@@ -40,7 +40,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         finished: every target reached within the time limit.
         violations: times it was not.
         evadable: of them, those that the robot could have evaded; see evasion.py.
-        run_over: of them, those in which something ran into a robot that stood in a latched stop.
+        run_over: of the others, those in which something ran into a robot that stood in a latched stop.
         violation_depth: how far beyond the limit (m).
         violation_seconds: for how long in all (s).
         min_clearance: smallest of the robot (m).

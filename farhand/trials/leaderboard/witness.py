@@ -116,7 +116,7 @@ class Witness(Robot):
         if name:
             arm = model(name)
             d_min = scenario.controller.d_min
-            self._judge = Judge(arm, body_of(arm, 0.0), scenario.obstacles, d_min)
+            self._judge = Judge(arm, body_of(arm, 0.0), scenario.obstacles, d_min, every=1)
             self.seen.links = Violations(d_min)
         rate_hz = scenario.robot.rate_hz
         self._every = max(1, round(rate_hz / SPEED_RATE_HZ))
@@ -143,6 +143,10 @@ class Witness(Robot):
         self._halted = True
         self._look(dt)
         self._robot.halt(dt)
+
+    def rest(self) -> None:
+        """See Robot."""
+        self._robot.rest()
 
     def intervention(self) -> Intervention | None:
         """See Robot."""
@@ -200,12 +204,12 @@ class Witness(Robot):
         return left > max(tool.limit, tool.nearest) + 1e-9
 
     def _links(self, q: Array, now_ns: int) -> float:
-        """Least distance of any link now (m), by meshes where it is near."""
+        """Least distance of any link to anything and to another one now (m), by meshes where it is near."""
         judge = self._judge
         assert judge is not None
         judge.nearest, judge.nearest_self = NOTHING_NEAR, NOTHING_NEAR
         judge.look(q, self._field.table(now_ns), now_ns * 1e-9)
-        return judge.nearest
+        return min(judge.nearest, judge.nearest_self)
 
 
 def watched(

@@ -35,7 +35,7 @@ COLUMN = 0.3
 NEAR = 0.025
 """m: nearer than this by capsules the meshes are measured as well."""
 EVERY = 5
-"""Ticks between two of these, unless the capsules are nearer than they may be."""
+"""Looks between two of these, unless the capsules are nearer than they may be."""
 
 
 class KinematicArm:
@@ -65,10 +65,15 @@ class Judge:
     Args:
         arm, body: of the arm.
         obstacles: as they are at the start.
+        d_min: to be kept (m).
+        every: looks between two at the meshes of what is near, unless capsules are nearer than they may be; where it
+            is not every look, the arm itself is looked at in every second one.
     """
 
-    def __init__(self, arm: ArmModel, body: Body, obstacles: tuple[Obstacle, ...], d_min: float) -> None:
-        self._body, self._d_min = body, d_min
+    def __init__(
+        self, arm: ArmModel, body: Body, obstacles: tuple[Obstacle, ...], d_min: float, every: int = EVERY
+    ) -> None:
+        self._body, self._d_min, self._every = body, d_min, every
         self._meshes = Meshes(arm)
         self._field = ObstacleField(obstacles, 0)
         self._planes = np.array([isinstance(o.shape, Plane) for o in obstacles], dtype=bool)
@@ -85,7 +90,7 @@ class Judge:
     def look(self, q: Array, around: Surroundings, t: float) -> tuple[float, int, int]:
         """Note the truth now; returns the least distance by capsules, its capsule and its obstacle."""
         around_it = around.rows, around.vertices, self._planes
-        often = self._tick % EVERY == 0
+        often = self._tick % self._every == 0
         best, which, whose, count = sweep(
             placed(self._body, q), self._arm, around_it, self._bounds, often, self._close
         )
@@ -111,7 +116,7 @@ class Judge:
                 self._note(d, i, j, t)
 
     def _look_at_itself(self, q: Array) -> None:
-        if self._tick % 2:
+        if self._tick % 2 and self._every > 1:
             return
         near = self._pairs.nearer_than(self._d_min, q)
         if not near:

@@ -30,6 +30,9 @@ LONGEST_NS = 15_000_000_000
 GROW_NS = 90_000_000
 """Who stands all the same turns by STEP more, and not sooner again than after this."""
 
+NOTHING = 1e-9
+"""m/s: a wish that is slower is none, and points nowhere."""
+
 
 @dataclass(frozen=True, slots=True)
 class Instant:
@@ -62,7 +65,7 @@ class Progress:
         """
         speed = norm(wanted)
         made = sum(u * v for u, v in zip(wanted, velocity, strict=True))
-        if speed == 0.0 or made >= SLOW * speed**2:
+        if speed < NOTHING or made >= SLOW * speed**2:
             self._since_ns = None
             return False
         if self._since_ns is None:
@@ -104,7 +107,7 @@ class Sidestep:
 
     def turn(self, wanted: Vector3, instant: Instant) -> Vector3:
         """The wish for this tick: the wanted velocity (m/s), or that one turned to the side."""
-        if norm(wanted) == 0.0:
+        if norm(wanted) < NOTHING:
             self._step = None
             return wanted
         if self._step is not None and self._over(self._step, wanted, instant):

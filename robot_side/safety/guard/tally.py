@@ -44,6 +44,10 @@ class Tally:
             seconds, distance = self.pairs.get(pair, (0.0, did.distance))
             self.pairs[pair] = seconds + self._dt, min(distance, did.distance)
 
+    def forget(self) -> None:
+        """The guard acts no more: what was not taken yet is not told as what it does."""
+        self._unsent = None
+
     def take(self) -> Intervention | None:
         """The newest that has not been taken yet."""
         did, self._unsent = self._unsent, None

@@ -6,6 +6,7 @@ import pytest
 
 from farhand.common.errors import InputError
 from farhand.common.link.ports import free_ports
+from farhand.common.messages.base import Echo
 from farhand.operator_side.steering.device import SteeringInput
 from farhand.operator_side.supervision import Supervision
 from farhand.site.estop import EstopServer, emergency_stop
@@ -14,6 +15,7 @@ from farhand.testing import Programs, Witness, short_task, state
 from tests.examples import also
 from tests.farhand.site.fakes import Asked, Direct, Silent
 
+MS = 1_000_000
 FAR = [(50.0, 0.0, 0.5)]
 DRIVE = SteeringInput((0.1, 0.0, 0.0), engaged=True)
 ACKNOWLEDGE = SteeringInput((0.1, 0.0, 0.0), engaged=True, acknowledge=True)
@@ -41,14 +43,37 @@ def test_who_may_not_is_told(own, said):
         check_rights(own, "ur5")
 
 
+LATCHED = {"mode": "estop", "reason": "emergency stop by operator"}
+
+
 def test_it_is_sent_until_the_robot_has_latched_it_then_only_an_acknowledgement_counts():
     supervision = Supervision(7, "operator")
-    supervision.estop = True
+    supervision.stop()
     assert supervision.step(None, "state", None, 0).mode == "estop"
     assert supervision.step(state(1), "", DRIVE, 0).mode == "estop"
-    latched = supervision.step(state(2, mode="estop", reason="emergency stop by operator"), "", DRIVE, 0)
+    ours = state(2, **LATCHED, holder=7, echo=Echo(7, 1, 0, 0))
+    latched = supervision.step(ours, "", DRIVE, 0)
     assert (latched.mode, supervision.estop) == ("hold", False)
     assert supervision.step(state(3, mode="estop"), "", ACKNOWLEDGE, 0).mode == "acknowledge"
+
+
+@pytest.mark.parametrize("holder", [7, 8])
+def test_a_stop_that_was_there_before_confirms_none_that_is_asked_for_while_it_is_acknowledged(holder):
+    supervision = Supervision(7, "operator")
+    before = state(1, **LATCHED, holder=holder, echo=Echo(7, 40, 900 * MS, 0))
+    supervision.clear(before)
+    supervision.step(before, "", DRIVE, 1000 * MS)
+    supervision.stop()
+    for tick in range(49):
+        now_ns = (1020 + 20 * tick) * MS
+        assert supervision.step(before, "", DRIVE, now_ns).mode == "estop"
+        assert supervision.estop
+    assert supervision.clearing is None
+    echo = Echo(7, 90, 1500 * MS, 0) if holder == 7 else None
+    assert (
+        supervision.step(state(2, **LATCHED, holder=holder, echo=echo), "", DRIVE, 2020 * MS).mode != "estop"
+    )
+    assert not supervision.estop
 
 
 class Stopping:

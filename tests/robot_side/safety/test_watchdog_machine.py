@@ -30,7 +30,9 @@ class WatchdogMachine(RuleBasedStateMachine):
         self.holder, self.heard, self.since = 0, 0, 0
         self.asked = {}
         self.mode, self.stopped = "hold", 0  # as after the last rule; when the latched stop began
-        self.evades_until = 0  # until when the guard may move what silence stopped
+        self.evades_until = 0  # until when the guard may move what silence stopped; 0: it may not any more
+        self.stopped_by = set()  # sessions, of the emergency stop that is latched
+        self.comes = False  # what it would be moved out of the way of
 
     def command(self, session, mode, *, age_ms=50, seq=None, velocity=(0.1, 0.0, 0.0), echo=True, **fields):
         """The session's next command, built on a state that is `age_ms` old."""
@@ -146,12 +148,21 @@ class WatchdogMachine(RuleBasedStateMachine):
         assert self.give(self.command(session, "estop", seq=seq, echo=False))
         assert self.watchdog.mode == "estop"
         if self.mode != "estop":
-            self.evades_until = 0
+            self.stopped_by = set()
+        if session not in self.stopped_by:
+            self.stopped, self.evades_until = self.now, 0
+            assert self.watchdog.reason.startswith(f"emergency stop by operator.{session}")
+        self.stopped_by.add(session)
+        if session == self.holder:
+            self.seqs[session] = max(self.seqs[session], seq)
 
     @rule()
     def fault(self):
+        estop, before = self.watchdog.mode == "estop", self.watchdog.reason
         self.watchdog.fault("it broke", self.now)
-        assert self.watchdog.mode == "stopped"
+        assert self.watchdog.mode == ("estop" if estop else "stopped")
+        assert self.watchdog.reason.endswith("fault: it broke")
+        self.stopped = self.now if self.watchdog.reason != before else self.stopped
         self.evades_until = 0
 
     @rule(ms=st.integers(1, 700))
@@ -209,10 +220,17 @@ class WatchdogMachine(RuleBasedStateMachine):
         if self.watchdog.mode in LATCHED:
             assert self.watchdog.twist(self.now).linear == ZERO
 
+    @rule(comes=st.booleans())
+    def something_comes_or_goes(self, comes):
+        self.comes = comes
+
     @invariant()
     def only_silence_lets_the_guard_move_it(self):
-        stands = self.watchdog.latched and self.now >= self.evades_until
-        assert self.watchdog.stands(self.now) == stands
+        over = self.now >= self.evades_until and not (self.evades_until and self.comes)
+        stands = self.watchdog.latched and over
+        if stands:
+            self.evades_until = 0
+        assert self.watchdog.stands(self.now, lambda: self.comes) == stands
 
     @invariant()
     def silence_ends_motion(self):

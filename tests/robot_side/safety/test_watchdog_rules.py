@@ -81,7 +81,9 @@ def test_what_silence_stopped_may_step_aside_for_a_while_and_then_stands(watchdo
     watchdog.tick(stopped)
     assert watchdog.mode == "stopped"
     assert not watchdog.stands(stopped + 9999 * MS)
-    assert watchdog.stands(stopped + 10_000 * MS)
+    assert not watchdog.stands(stopped + 10_000 * MS, lambda: True)  # something comes
+    assert watchdog.stands(stopped + 11_000 * MS, lambda: False)
+    assert watchdog.stands(stopped + 12_000 * MS, lambda: True)  # for good
     assert watchdog.twist(stopped).linear == ZERO
     watchdog.fault("it broke", stopped + 5000 * MS)
     assert watchdog.stands(stopped + 5000 * MS)
@@ -160,6 +162,40 @@ def test_estop_latches_from_anyone_and_only_the_holder_leads_out(watchdog):
     assert not watchdog.receive(command(2), START)
     assert watchdog.receive(command(3, "acknowledge", age_ms=0), START)
     assert watchdog.mode == "hold"
+
+
+def test_what_comes_into_a_stop_is_cleared_by_no_acknowledgement_that_has_not_seen_it(watchdog):
+    """Another's emergency stop, or a fault, while the holder already acknowledges."""
+    watchdog.receive(command(1), START)
+    for seq, (deed, reason) in enumerate(
+        [
+            (
+                lambda at: watchdog.receive(command(0, "estop", session=98, source="alice", echo=False), at),
+                "by alice",
+            ),
+            (
+                lambda at: watchdog.receive(command(0, "estop", session=99, source="bob", echo=False), at),
+                "by bob, and",
+            ),
+            (lambda at: watchdog.fault("it broke", at), "before; fault: it broke"),
+        ]
+    ):
+        at = START + (100 + 200 * seq) * MS
+        deed(at)
+        assert watchdog.mode == "estop"
+        assert reason in watchdog.reason
+        late = command(10 + seq, "acknowledge", now=at - MS)
+        assert not watchdog.receive(late, at + 50 * MS)
+    assert watchdog.refused["unseen-stop"] == 3
+    assert watchdog.receive(command(20, "acknowledge", now=at + 60 * MS), at + 100 * MS)
+    assert watchdog.mode == "hold"
+
+
+def test_what_its_holder_sent_before_its_emergency_stop_clears_none(watchdog):
+    watchdog.receive(command(1), START)
+    watchdog.receive(command(9, "estop"), START + MS)
+    assert not watchdog.receive(command(8, "acknowledge", now=START + 2 * MS), START + 3 * MS)
+    assert watchdog.refused["old-seq"] == 1
 
 
 @pytest.mark.parametrize("how", ["fault", "estop"])

@@ -41,7 +41,8 @@ def servo_status(report: ControlReport | None, age: float, state: RobotState | N
     if lost or report is None:
         return INVALID, lost
     if report.safety in _LATCHED:
-        return INVALID, f"{report.safety}: {report.safety_reason}"
+        acts = f"; guard {guard_words(report.guard)}" if report.guard is not None else ""
+        return INVALID, f"{report.safety}: {report.safety_reason}{acts}"
     asks = norm(report.desired) > STANDS
     held = state.held_by if state is not None and isinstance(state.held_by, str) else ""
     if asks and held.startswith("joint"):

@@ -54,6 +54,6 @@ export function pageReasons(known: Known, told: Reason[]): Reason[] {
   else if (known.cut) own.push({ pill: "held", what: `${again}Let go by itself: ${known.cut}.`, clears: "Press anew." });
   if (known.hint) own.push({ pill: "held", what: known.hint, clears: "" });
   const pill = told.some((each) => each.pill === "watching") ? "watching" : "ready";
-  if (known.back) own.push({ pill, what: "Connected again. Nothing moves until somebody presses anew.", clears: "" });
+  if (known.back) own.push({ pill, what: "Connected again. Nothing is driven until somebody presses anew.", clears: "" });
   return [...worse, ...own, ...rest];
 }

@@ -40,11 +40,24 @@ def test_who_stands_in_the_open_could_have_stepped_aside():
     assert judged(1, met(), scene(coming(scene()))) == Verdict(1, 0)
 
 
-def test_who_stood_in_a_latched_stop_was_run_over():
+def test_who_stood_in_a_latched_stop_was_run_over_if_that_was_all_it_could_do():
     around = scene(coming(scene()))
-    assert judged(1, met(stopped_from=1.0), around) == Verdict(0, 1)
+    assert judged(1, met(stopped_from=0.0), around) == Verdict(0, 1)
+    assert judged(1, met(stopped_from=0.4), around) == Verdict(1, 0)  # it could have gone, and stood there
     # braking is not standing: what it was about to do before the stop counts
     assert judged(1, met(stopped_from=1.9, speed=0.3), around) == Verdict(1, 0)
+
+
+def test_who_has_room_for_a_step_aside_alone_could_have_taken_it():
+    """A ball comes, and slabs leave 0.5 m to one side, and nothing to any other."""
+    half = scene().robot.radius + 0.04
+    walls = [
+        Obstacle(id=f"{axis}{sign}", position=tuple(sign * (half + room + 0.05) * np.eye(3)[axis]),
+                 shape=Box(tuple(np.where(np.eye(3)[axis], 0.05, 2.0))))
+        for axis, sign, room in ((0, -1.0, 0.0), (1, 1.0, 0.5), (1, -1.0, 0.0), (2, 1.0, 0.0), (2, -1.0, 0.0))
+    ]  # fmt: skip
+    around = scene(coming(scene()), *walls)
+    assert judged(1, met(), around) == Verdict(1, 0)
 
 
 @pytest.mark.parametrize("shut", [True, False])

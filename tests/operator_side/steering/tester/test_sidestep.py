@@ -5,7 +5,7 @@ import math
 import pytest
 
 from farhand.operator_side.steering.sides import MOST, STEP
-from farhand.operator_side.steering.tester.sidestep import LONGEST_NS, Instant, Sidestep
+from farhand.operator_side.steering.tester.sidestep import LONGEST_NS, Instant, Progress, Sidestep
 
 TICK_NS = 100_000_000
 AHEAD = (0.3, 0.0, 0.0)
@@ -38,6 +38,13 @@ def test_it_begins_after_six_tenths_without_progress_where_the_way_is_not_free()
     rider = Rider()
     assert rider.begin() == pytest.approx(1.0)
     assert rider.sidestep.side == "left"
+
+
+def test_a_wish_too_small_to_point_anywhere_is_none():
+    progress = Progress()
+    assert not any(
+        progress.lacking((1e-170, 0.0, 0.0), (-0.1, 0.0, 0.0), k * 1_000_000_000) for k in range(3)
+    )
 
 
 def test_it_does_not_begin_while_the_robot_moves_or_the_way_is_free():

@@ -22,6 +22,14 @@ def test_what_follows_soon_is_the_same_intervention():
     assert tally.deeds == {"slowed": pytest.approx(0.05)}
 
 
+def test_what_it_does_no_more_is_not_told():
+    tally = Tally(0.01)
+    tally.add(_did("evading"), 0)
+    tally.forget()
+    assert tally.take() is None
+    assert tally.times == 1
+
+
 def test_pairs_keep_their_time_and_their_least_distance():
     tally = Tally(0.01)
     tally.add(_did(distance=0.05), 0)
