@@ -1,5 +1,6 @@
 """The leaderboard: a row is the same by its command, after an interruption, and beside a method of one's own."""
 
+import importlib.metadata
 import json
 import re
 import shlex
@@ -16,6 +17,7 @@ from farhand.laboratory.campaigns import pools
 from farhand.trials.leaderboard import running
 from farhand.trials.leaderboard.board import Board, command_of
 from farhand.trials.leaderboard.choice import chosen_board
+from farhand.trials.leaderboard.method import METHODS, method_named
 from farhand.trials.leaderboard.networks import NETWORKS
 from farhand.trials.leaderboard.run_board import run_board
 from farhand.trials.leaderboard.tables import percent
@@ -111,12 +113,33 @@ def test_a_method_of_ones_own_appears_in_the_same_table(tmp_path, monkeypatch):
     (tmp_path / name).write_text(text)
     command = re.search(r"^farhand (benchmark .*way_margin:Way.*)$", PAGE, re.MULTILINE).group(1)
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
-    command = command.replace("--methods nothing,ours,", "--methods ").replace("--tasks 2", "--tasks 1")
+    command = command.replace("--methods nothing,ours,", "--methods nothing,").replace(
+        "--tasks 2", "--tasks 1"
+    )
     assert run(shlex.split(command)) == 0
-    (row,) = rows_in(tmp_path / "runs" / "way")
-    assert (row["method"], row["safe"], row["error"]) == ("way_margin:Way", True, "")
-    assert "@" in row["key"]  # of this version of the file
-    assert "way_margin:Way" in (tmp_path / "runs" / "way" / "leaderboard.md").read_text()
+    theirs, own = rows_in(tmp_path / "runs" / "way")
+    assert (theirs["method"], theirs["safe"]) == ("nothing", False)
+    assert (own["method"], own["safe"], own["error"]) == ("way_margin:Way", True, "")
+    assert own["seed"] == theirs["seed"]
+    assert "@" in own["key"]  # of this version of the file
+    table = (tmp_path / "runs" / "way" / "leaderboard.md").read_text()
+    assert "| tester | nothing | 1 |" in table
+    assert "| tester | way_margin:Way | 1 |" in table
+
+
+def test_a_package_brings_a_method(monkeypatch):
+    point = importlib.metadata.EntryPoint(
+        "theirs", "farhand.trials.leaderboard.methods:Nothing", "farhand.methods"
+    )
+    monkeypatch.setattr(
+        "importlib.metadata.entry_points", lambda group: [point] if group == "farhand.methods" else []
+    )
+    monkeypatch.setattr(METHODS, "_outside", None)  # it looks for them once
+    monkeypatch.setattr(METHODS, "_loaded", {})
+    board = chosen_board(methods="theirs,both", networks=["none"], tasks=1)
+    assert board.methods == ("theirs", "both")
+    assert method_named("theirs").says == method_named("nothing").says
+    assert chosen_board(networks=["none"], tasks=1).methods[-1] == "theirs"
 
 
 @pytest.mark.parametrize(
@@ -129,11 +152,12 @@ def test_a_method_of_ones_own_appears_in_the_same_table(tmp_path, monkeypatch):
         ("--methods", "nowhere:Method", "cannot be imported"),
         ("--methods", "json:JSONDecoder", "is no subclass of farhand.Method"),
         ("--operators", ",", "names none of tester"),
+        ("--task=1 --tasks", "2", "leave one out"),
         ("--tasks", "0", "greater than or equal to 1"),
     ],
 )
 def test_bad_input_is_one_line(option, value, says, capsys):
-    assert run(["benchmark", "safety", option, value]) == 2
+    assert run(["benchmark", "safety", *option.split(), value]) == 2
     said = capsys.readouterr().err
     assert says in said
     assert len(said.splitlines()) == 1

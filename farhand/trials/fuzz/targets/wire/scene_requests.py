@@ -1,6 +1,6 @@
 """A robot with two obstacles is asked for another scene: what changes it must be fresh, new, and make sense."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import msgspec
@@ -12,6 +12,7 @@ from farhand.common.messages.keys import scene_request_key
 from farhand.common.messages.scene import MAX_OBSTACLES, Obstacle
 from farhand.common.messages.scene_request import MOST_MOVERS, SceneRequest
 from farhand.common.shapes.box import Box
+from farhand.common.shapes.distance import distance_to
 from farhand.common.shapes.mesh import Mesh
 from farhand.common.shapes.sphere import Sphere
 from farhand.robot_side.safety.scene_intake import SceneIntake
@@ -21,6 +22,7 @@ from farhand.trials.fuzz.target import Target, check, finite
 
 ROBOT, NOW_NS = 1_000_009, 5_000_000_000
 KEY = scene_request_key("r")
+TOOL, RADIUS = (0.0, 0.0, 0.5), 0.05
 THERE = (
     Obstacle(id="post", position=(0.5, 0.0, 0.3), shape=Sphere(0.1)),
     Obstacle(id="mover", position=(0.5, 0.5, 0.3), shape=Box((0.1, 0.1, 0.1)), velocity=(0.0, -0.1, 0.0)),
@@ -65,6 +67,7 @@ def seeds() -> list[bytes]:
         request(obstacles=(THERE[0],)),
         request(obstacles=(ball, ball)),
         request(base=1, obstacles=(ball,)),
+        request(obstacles=(Obstacle(id="on", position=TOOL, shape=Sphere(0.05)),)),
         request(age_ns=2_000_000_000, obstacles=(ball,)),
         request(echo=None, obstacles=(ball,)),
         encode(whole),
@@ -77,7 +80,7 @@ def start() -> Callable[[bytes], None]:
     def take(data: bytes) -> None:
         intake = SceneIntake("r", SafetySettings(), ROBOT)
         intake.take([Packet(KEY, data, NOW_NS)])
-        found = intake.judge(THERE, NOW_NS, lambda _: "") if intake.waits else None
+        found = intake.judge(THERE, NOW_NS, _crowds) if intake.waits else None
         check(
             (intake.revision == 1) == (found is not None),
             "a change without a revision, or the other way round",
@@ -90,6 +93,11 @@ def start() -> Callable[[bytes], None]:
     return take
 
 
+def _crowds(obstacles: Sequence[Obstacle]) -> str:
+    """Why they cannot come: one would be on the robot, whose sphere stands at TOOL."""
+    return "on the robot" if any(distance_to(each, TOOL) < RADIUS for each in obstacles) else ""
+
+
 def _judge(found: tuple[Obstacle, ...], data: bytes) -> None:
     """By rules of its own, from the bytes alone; then as the robot's loop uses it."""
     said = msgspec.msgpack.decode(data)
@@ -99,17 +107,19 @@ def _judge(found: tuple[Obstacle, ...], data: bytes) -> None:
     check(len(found) <= MAX_OBSTACLES, "too many obstacles")
     check(sum(o.moves for o in found) <= MOST_MOVERS, "too many that move")
     check(len({o.id for o in found}) == len(found), "two obstacles of one name")
+    come = [obstacle for obstacle in found if obstacle not in THERE]
+    check(all(distance_to(each, TOOL) >= RADIUS for each in come), "one was put onto the robot")
     field = ObstacleField(found, NOW_NS)
     for seconds in (0, 10, 3600):
         then_ns = NOW_NS + seconds * 1_000_000_000
         check(finite(msgspec.to_builtins(field.at(then_ns))), "an obstacle goes where no number is finite")
         check(finite(field.table(then_ns).rows.tolist()), "a row is not finite")
-        check(finite(field.clearance((0.0, 0.0, 0.5), 0.05, then_ns)), "a distance is not finite")
+        check(finite(field.clearance(TOOL, RADIUS, then_ns)), "a distance is not finite")
 
 
 TARGET = Target(
     edge="requests to change the scene at the robot: codec, intake, obstacles",
-    promise="changed only by what is fresh and of this revision; every place and distance is finite",
+    promise="changed only by what is fresh and of this revision, and nothing put onto the robot; every place and distance is finite",
     seeds=seeds,
     start=start,
     shape="map",
