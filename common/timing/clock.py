@@ -10,6 +10,7 @@ NANOSECONDS_PER_SECOND = 1_000_000_000
 class SystemClock:
     """The monotonic clock of this host, shifted by a random offset of its own.
 
+    It goes on while the host is suspended: what was said before is as old as it is when it wakes.
     The offset makes an accidental comparison of two processes' clocks fail loudly
     instead of working by luck on one host.
     """
@@ -19,7 +20,7 @@ class SystemClock:
 
     def now_ns(self) -> int:
         """Current instant in ns."""
-        return time.monotonic_ns() + self._offset_ns
+        return time.clock_gettime_ns(time.CLOCK_BOOTTIME) + self._offset_ns
 
     def epoch_ns(self) -> int:
         """What must be added to an instant for the time of day (ns since 1970, UTC); never used for control."""

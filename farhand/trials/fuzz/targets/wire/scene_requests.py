@@ -119,7 +119,7 @@ def _judge(found: tuple[Obstacle, ...], data: bytes) -> None:
 
 TARGET = Target(
     edge="requests to change the scene at the robot: codec, intake, obstacles",
-    promise="changed only by what is fresh and of this revision, and nothing put onto the robot; every place and distance is finite",
+    promise="changed only by what is fresh and of this revision, nothing put onto the robot; every place is finite",
     seeds=seeds,
     start=start,
     shape="map",
