@@ -31,6 +31,7 @@ class Cell:
         least_tool: clearance of the sphere around the tool (m).
         time: median over the finished runs of the duration over the ideal operator's.
         path: likewise of the way.
+        rtt: round trip, median of the runs' means (s).
         filtered, filtered_strength, guarded, guard_strength: means, see Row.
         stops: mean of a run.
         smoothness: median.
@@ -57,6 +58,7 @@ class Cell:
     least_tool: float | None
     time: float | None
     path: float | None
+    rtt: float | None
     filtered: float
     filtered_strength: float
     guarded: float
@@ -105,6 +107,7 @@ def cell_of(rows: Sequence[Row]) -> Cell:
         least_tool=min(tools, default=None),
         time=_median(_ratios(done, "duration", "ideal_duration")),
         path=_median(_ratios(done, "path_length", "ideal_path")),
+        rtt=_median(_known(row.rtt_mean for row in good)),
         filtered=_mean([row.filtered_share for row in good]) or 0.0,
         filtered_strength=_mean([row.filtered_strength for row in good]) or 0.0,
         guarded=_mean([row.guard_share for row in good]) or 0.0,

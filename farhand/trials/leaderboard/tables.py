@@ -93,6 +93,8 @@ def to_markdown(rows: Sequence[Row], posed: Sequence[Posed], command: str) -> st
     lines += _scenes(rows, lambda c: f"{percent(c.safe_rate)} ({c.safe}/{c.runs})")
     lines += ["", "Runs by scene with a violation that the robot could have evaded:", ""]
     lines += _scenes(rows, lambda c: f"{c.could_evade}/{c.runs}")
+    for what in ("scene", "network"):
+        lines += ["", f"By {what}, all operators:", "", *_breakdown(rows, what)]
     crashed = [row for row in rows if row.error]
     lines += ["", "The deepest violation of each method, and how to have it again:", "", *_worst(rows, posed)]
     lines += ["", NOTE, f"Draws thrown away (unfit and undoable, for so many tasks): {redrawn(posed)}."]
@@ -109,6 +111,23 @@ def _scenes(rows: Sequence[Row], text: Callable[[Cell], str]) -> list[str]:
     for method in dict.fromkeys(row.method for row in rows):
         found = [cells.get((method, scene)) for scene in scenes]
         lines.append(f"| {method} | " + " | ".join("–" if c is None else text(c) for c in found) + " |")
+    return lines
+
+
+def _breakdown(rows: Sequence[Row], what: str) -> list[str]:
+    """A line a method and scene or network, with the figures that claims are made of."""
+    lines = [
+        f"| method | {what} | runs | safe | at most unsafe, % | evadable | run over | done | time | least mm | "
+        "least of the tool mm | round trip ms |",
+        "|" + "---|" * 12,
+    ]
+    for (method, name), c in cells_by(rows, lambda row: (row.method, getattr(row, what))).items():
+        figures = (
+            method, name, c.runs, c.safe, f"{100 * (1 - c.safe_low):.2f}", c.could_evade, c.run_over, c.successes,
+            "–" if c.time is None else f"{c.time:.2f}", millimetres(c.least), millimetres(c.least_tool),
+            millimetres(c.rtt),
+        )  # fmt: skip
+        lines.append("| " + " | ".join(map(str, figures)) + " |")
     return lines
 
 

@@ -1,8 +1,9 @@
 """The clock that ages are counted by."""
 
-import time
-
+from farhand.common.timing import clock as timing
 from farhand.common.timing.clock import SystemClock
+
+time = timing.time
 
 
 def test_it_goes_on_while_the_host_is_suspended(monkeypatch):

@@ -125,6 +125,8 @@ def test_a_method_of_ones_own_appears_in_the_same_table(tmp_path, monkeypatch):
     table = (tmp_path / "runs" / "way" / "leaderboard.md").read_text()
     assert "| tester | nothing | 1 |" in table
     assert "| tester | way_margin:Way | 1 |" in table
+    assert "| nothing | static | 1 | 0 | 100.00 | 1 |" in table
+    assert "| way_margin:Way | constant | 1 | 1 | 97.50 | 0 |" in table
 
 
 def test_a_package_brings_a_method(monkeypatch):
