@@ -165,10 +165,10 @@ class Decider:
     def step(self, seq: int, now_ns: int) -> Decided:
         """What command `seq` shall be; after a kind's fault, standing still. Never raises."""
         try:
-            decided = self._stand() if self.fault else self._decide(seq, now_ns)
+            decided = self._stand(now_ns) if self.fault else self._decide(seq, now_ns)
         except Exception as error:  # of a law, a device or a controller: nothing throws in a control loop
             self.fault = told(error)
-            decided = self._stand()
+            decided = self._stand(now_ns)
         horizon, mind = self._scenario.controller.horizon, self._mind
         limit = self._scenario.controller.angular_limit
         if mind is not None:
@@ -190,7 +190,8 @@ class Decider:
             self.targets.update(state, scene, driving=driving)
             prediction, margin = self._look_ahead(mind, state, seq, now_ns)
             look = Look(state, scene, prediction, margin)
-            view = View(state, scene, self.targets, now_ns, self._free(mind, prediction), driving)
+            view = View(state, scene, self.targets, now_ns, self._free(mind, prediction), driving,
+                        stopping=self._supervision.estop)  # fmt: skip
             steering = checked_steering(self._device.read(view))
         self._supervision.twins = self._perception.twins(now_ns)
         decision = self._supervision.step(state, self._perception.lacking, steering, now_ns)
@@ -228,9 +229,10 @@ class Decider:
             blocked=blocked,
         )
 
-    def _stand(self) -> Decided:
+    def _stand(self, now_ns: int) -> Decided:
         """After a fault: the emergency stop that was asked for; else hold, if this session has control."""
         state = self._perception.state
+        self._supervision.confirm(state, now_ns)
         holds: CommandMode | None = "hold" if state is not None and state.holder == self._session else None
         reason = f"fault: {self.fault}"
         return Decided(Decision("estop" if self._supervision.estop else holds, reason), reason)

@@ -27,12 +27,13 @@ from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.command import CommandMode
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.device import SteeringInput
+from farhand.operator_side.steering.first_seen import FirstSeen
 
 NOT_ENGAGED = "device not engaged"
 """What is said of a device that holds nothing down."""
 ASK_PERIOD_NS = 1_000_000_000
 ESTOP_AT_LEAST_NS = 1_000_000_000
-"""An operator that is not in control sends an emergency stop for so long, whatever the robot shows."""
+"""An operator that is not in control sends an emergency stop for so long, whatever was known of the robot till then."""
 ESTOP_ASKED = "emergency stop, asked for by `farhand estop`"
 _TWINS = "two robots call themselves {!r}; end one, or give it another --robot"
 
@@ -136,11 +137,15 @@ class Supervision:
         self.twins = False
         self.estop = False
         self._estop_ns: int | None = None  # since when it is sent; None: from the next tick on
+        self._seen = FirstSeen()
+        self._outdated = False  # the device still acknowledges what was there before an emergency stop
         self.clearing: tuple[SafetyMode, int, str] | None = None
 
     def stop(self) -> None:
         """Send emergency stops until the robot has latched one of them. Nothing is acknowledged any more."""
-        self.estop, self._estop_ns, self.clearing = True, None, None
+        if not self.estop:
+            self._estop_ns = None
+        self.estop, self.clearing, self._outdated = True, None, True
 
     def clear(self, state: RobotState) -> None:
         """Acknowledge the stop that `state` shows, and no later one, until the robot has left it."""
@@ -150,9 +155,13 @@ class Supervision:
         self, state: RobotState | None, lacking: str, steering: SteeringInput | None, now_ns: int
     ) -> Decision:
         """The decision of a tick."""
+        seen_ns = 0
         if state is not None:
             self._look(state)
-        if self.estop and state is not None and self._has_latched(state, now_ns):
+            seen_ns = self._seen.look(state, now_ns)
+        if steering is not None:
+            steering = self._up_to_date(steering)
+        if self.estop and state is not None and self._has_latched(state, seen_ns):
             self.estop = False  # from here on an acknowledgement counts
         if self.estop:
             self._estop_ns = now_ns if self._estop_ns is None else self._estop_ns
@@ -170,7 +179,19 @@ class Supervision:
         self._asked_ns = now_ns
         return decision
 
-    def _has_latched(self, state: RobotState, now_ns: int) -> bool:
+    def confirm(self, state: RobotState | None, now_ns: int) -> None:
+        """Look whether the robot has latched the emergency stop that was asked for, and nothing else."""
+        if state is not None and self.estop and self._has_latched(state, self._seen.look(state, now_ns)):
+            self.estop = False
+
+    def _up_to_date(self, steering: SteeringInput) -> SteeringInput:
+        """What the device wants, without an acknowledgement that was given before an emergency stop."""
+        if steering.estop:
+            self.clearing = None
+        self._outdated = self._outdated and steering.acknowledge
+        return replace(steering, acknowledge=False) if self._outdated else steering
+
+    def _has_latched(self, state: RobotState, seen_ns: int) -> bool:
         """Whether the robot shows a stop of ours: one that it showed before may be over by what is under way to it."""
         since_ns = self._estop_ns
         if state.mode != "estop" or since_ns is None:
@@ -178,7 +199,7 @@ class Supervision:
         if state.holder == self.session:
             echo = state.echo
             return echo is not None and echo.session == self.session and echo.t_sent_ns >= since_ns
-        return now_ns - since_ns >= ESTOP_AT_LEAST_NS  # it echoes nobody but who is in control
+        return seen_ns - since_ns >= ESTOP_AT_LEAST_NS  # it echoes nobody but who is in control
 
     def _look(self, state: RobotState) -> None:
         """Note whom this session waits for, and whether a handover or an acknowledgement is over."""

@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 
+from farhand.common.messages.state import FAULT
 from farhand.common.timing.clock import to_ns
 from farhand.common.trust.rare_lines import RareLines
 from farhand.robot_side.safety.command_intake import CommandIntake
 from farhand.robot_side.safety.scene_intake import SceneIntake
-from farhand.robot_side.safety.watchdog import Watchdog
+from farhand.robot_side.safety.watchdog import ModeChange, Watchdog
 
 LOOK_EVERY = 0.25
 MOST_TOLD = 64
@@ -52,6 +53,7 @@ class Announcer:
         self._stops = 0
         self._latched = False
         self._told: set[str] = set()  # reasons of the stop that is latched
+        self._seen: ModeChange | None = None
         self._refused: dict[str, int] = {}
         self._scene_refused = 0
 
@@ -66,16 +68,12 @@ class Announcer:
             self._holder = lease.holder
             holder = f"{lease.holder_name}, session {lease.holder:x}," if lease.holder else "nobody"
             self._say(f"{holder} has control{self._why_free()}")
-        another = watchdog.stops != self._stops
-        if another:
-            self._told.clear()
-        # a stop that goes on for another reason as well; what comes and goes is said once
-        more = self._latched and watchdog.latched and watchdog.reason not in self._told
-        if another or (more and len(self._told) < MOST_TOLD):
+        if watchdog.stops != self._stops:
             self._stops, self._latched = watchdog.stops, True
-            stop = next((c for c in reversed(watchdog.changes) if c.mode in ("stopped", "estop")), None)
-            self._say(f"stop: {stop.reason}" if stop is not None else "stop")
-            self._told.add(stop.reason if stop is not None else "")
+            self._told.clear()
+        for change in self._new_changes():
+            if change.mode in ("stopped", "estop") and change.reason not in self._told:
+                self._tell_stop(change.reason, now_ns)
         if self._latched and not watchdog.latched:
             self._latched = False
             who = f" by {lease.holder_name}" if lease.holder_name else ""
@@ -89,6 +87,25 @@ class Announcer:
         if self._scene is not None:
             self._look_at_scene(self._scene, now_ns)
         self._lines.tick(now_ns)
+
+    def _new_changes(self) -> list[ModeChange]:
+        """Of the watchdog since the last look, the oldest first."""
+        found: list[ModeChange] = []
+        for change in reversed(self._watchdog.changes):
+            if change is self._seen:
+                break
+            found.append(change)
+        if found:
+            self._seen = found[0]
+        return found[::-1]
+
+    def _tell_stop(self, reason: str, now_ns: int) -> None:
+        """A stop, or one that goes on for another reason as well: each is said once, a flood is counted."""
+        if len(self._told) < MOST_TOLD:
+            self._told.add(reason)
+            self._say(f"stop: {reason}")
+        else:
+            self._lines.note("fault" if FAULT in reason else "stop", f"stop: {reason}", now_ns, 1)
 
     def _look_at_scene(self, scene: SceneIntake, now_ns: int) -> None:
         while scene.log:

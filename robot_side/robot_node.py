@@ -91,7 +91,7 @@ class RobotNode:
             self._guard = ToolGuard(
                 scenario.guard, settings.radius, settings.lag, self._dt, scenario.safety.max_speed
             )
-        self._approach = Approach(robot, settings.radius, self._d_min)
+        self._approach = Approach(robot, settings.radius, self._d_min, self._period_ns)
         self._evades = False  # whether its guard may move it though it is latched
         self._now_ns = 0
         self._tally = Tally(self._dt)
@@ -273,11 +273,15 @@ class RobotNode:
             did = guard.did
         self._tally.add(did, now_ns)
 
-    def _stand_still(self, error: Exception, now_ns: int) -> None:
-        """Latch a stop, and still try to brake."""
+    def _fault(self, error: Exception, now_ns: int) -> None:
+        """Latch a stop in which the guard moves nothing any more, and is not said to."""
         self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
         self._tally.forget()
         self._evades = False
+
+    def _stand_still(self, error: Exception, now_ns: int) -> None:
+        """Latch a stop, and still try to brake."""
+        self._fault(error, now_ns)
         try:
             self._robot.step(STILL, self._dt)
         except Exception:
@@ -292,7 +296,7 @@ class RobotNode:
             if self._statistics.add_arm(clearance):
                 self._nearest_part = self._robot.nearest_part(obstacles)
         except Exception as error:
-            self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
+            self._fault(error, now_ns)
             return None
         return clearance
 
@@ -301,13 +305,14 @@ class RobotNode:
         try:
             return self._robot.held_by()[:64] or msgspec.UNSET
         except Exception as error:
-            self.watchdog.fault(f"{type(error).__name__}: {error}", now_ns)
+            self._fault(error, now_ns)
             return msgspec.UNSET
 
     def _send_state(self, now_ns: int) -> None:
         watchdog, sample = self.watchdog, self._sample
         sampled_ns = now_ns - to_ns(self._robot.sample_age)
-        arm_clearance = self._arm_clearance(now_ns)
+        # first of all: what fails here is in this very state
+        arm_clearance, held_by = self._arm_clearance(now_ns), self._held_by(now_ns)
         state = RobotState(
             source=self._name,
             session=self._session,
@@ -335,7 +340,7 @@ class RobotNode:
             refused=self.intake.refused(),
             received=self.intake.arrived,
             stops=watchdog.stops,
-            held_by=self._held_by(now_ns),
+            held_by=held_by,
             guard=self._tally.take() or msgspec.UNSET,
             evades=True if self._evades else msgspec.UNSET,
         )

@@ -84,6 +84,7 @@ class _Stop:
         self._reason = ""
         self._decoder = Decoder(RobotState)
         self._sent_ns: int | None = None
+        self._before: str | None = None  # the robot's reason in the first state that came
         self._clock = SystemClock()
 
     def send(self, sessions: Sequence[zenoh.Session], patience: float) -> str | None:
@@ -116,11 +117,15 @@ class _Stop:
 
     def _see(self, sample: zenoh.Sample) -> None:
         state = self._decoder.decode(sample.payload.to_bytes())
-        if state is None or state.mode != "estop" or self._sent_ns is None:
+        if state is None or self._sent_ns is None:
             return
-        # a stop of another's may be over by an acknowledgement that is under way to the robot
-        ours = state.reason.startswith(f"{ESTOP_BY}{self._source}")
-        if ours or self._clock.now_ns() - self._sent_ns > to_ns(AT_LEAST):
+        self._before = self._before if self._before is not None else state.reason
+        if state.mode != "estop":
+            return
+        new, who = state.reason != self._before, state.reason.removeprefix(ESTOP_BY)
+        ours = who == self._source or who.startswith((f"{self._source}, and by ", f"{self._source}; "))
+        # a stop that was there before may be over by an acknowledgement that is under way to the robot
+        if (ours and new) or self._clock.now_ns() - self._sent_ns > to_ns(AT_LEAST):
             self._settle(state.reason)
 
     def _hear(self, reply: zenoh.Reply) -> None:

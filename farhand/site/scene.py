@@ -216,6 +216,7 @@ def _through_operator(reached: Reached, robot: str, change: Change) -> tuple[str
     clock = SystemClock()
     for session in reached.sessions:
         asked_ns, key = clock.now_ns(), scene_change_key(robot)
+        heard = bool(session.declare_querier(key).matching_status)
         for reply in session.get(key, payload=msgspec.msgpack.encode(change), timeout=PATIENCE):
             if reply.ok is None:
                 continue
@@ -223,7 +224,7 @@ def _through_operator(reached: Reached, robot: str, change: Change) -> tuple[str
             if found.get("ok"):
                 return "", found["scene"]
             return str(found.get("error", "the request was refused")), {}
-        if clock.now_ns() - asked_ns > to_ns(0.5 * PATIENCE):  # where there is nobody, that is said at once
+        if heard or clock.now_ns() - asked_ns > to_ns(0.5 * PATIENCE):
             return f"{UNCONFIRMED}: the operator's program of {robot!r} was asked and has not answered", {}
     return f"nothing is heard of robot {robot!r}, nor of its operator; tried {reached.tried}", {}
 

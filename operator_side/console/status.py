@@ -168,7 +168,8 @@ def _stopped(now: Situation) -> Iterator[Reason]:
         return
     if state.mode == "estop":
         by = "this page" if now.stopped_by == now.you else now.stopped_by
-        where = f", on {by}" if by else ""
+        # of the first of several, or of one with more to it, the place is not that of what is named last
+        where = f", on {by}" if by and not any(more in state.reason for more in (", and by ", "; ")) else ""
         yield Reason("e-stop", f"{_again(now)}Latched by the robot: {state.reason}{where}.", _ACKNOWLEDGE)
     elif state.mode == "stopped":
         yield Reason(
@@ -199,10 +200,9 @@ def _changed(now: Situation) -> Iterator[Reason]:
     report, state = now.report, now.state
     if report is None or state is None or not now.holds:
         if state is not None and state.guard and state.mode not in ("stopped", "estop") and not lost(now):
+            idle = "Nobody drives it; the" if state.mode == "hold" else "The"
             yield Reason(
-                "slowed",
-                f"Nobody drives it; the robot's guard acts: {_by_guard(state.guard)}.",
-                "It stands again once nothing comes.",
+                "slowed", f"{idle} robot's guard acts: {_by_guard(state.guard)}.", "It ends by itself."
             )
         return
     if state.guard:

@@ -47,6 +47,8 @@ class Perception:
                 if self.newest_state.accept(state, packet.arrived_ns):
                     self.state = state
                     self._guard = state.guard or self._guard
+                    if state.mode in ("stopped", "estop") and not state.evades:
+                        self._guard = None  # it moves nothing any more
             return state
         if packet.key == self._scene_key:
             scene = self._scenes.decode(packet.payload)

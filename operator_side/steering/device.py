@@ -44,6 +44,8 @@ class View:
         now_ns: beginning of the tick.
         free: of several velocities (m/s), which the filter would let pass nearly as they are: `free([velocity])[0]`.
         driving: whether this operator holds control.
+        stopping: whether an emergency stop that somebody asked this operator for is on its way: what was acknowledged
+            before is out of date.
     """
 
     state: RobotState
@@ -52,6 +54,7 @@ class View:
     now_ns: int
     free: Free = everything_is_free
     driving: bool = True
+    stopping: bool = False
 
 
 class SteeringDevice(ABC):

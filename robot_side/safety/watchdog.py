@@ -25,6 +25,9 @@ from farhand.robot_side.safety.settings import SafetySettings
 
 REMEMBERED_SESSIONS = 64
 REMEMBERED_CHANGES = 1000
+ESTOP_ANEW_NS = 500_000_000
+MOST_FAULT = 384
+"""Letters: a reason has at most 512, and begins with who asked for an emergency stop."""
 _LATCHED = ("stopped", "estop")
 
 
@@ -74,7 +77,10 @@ class Watchdog:
         self._player = PlanPlayer()
         self._newest_seq: OrderedDict[int, int] = OrderedDict()
         self._estop_reason = ""
-        self._estopped_by: set[int] = set()  # sessions, of the emergency stop that is latched
+        self._estopped_by: dict[
+            int, int
+        ] = {}  # when it came last, by session, of the stop that is latched (ns)
+        self._fault = ""  # of the stop that is latched
         self._stopped_ns = 0  # since when the latched stop is there
         self._evades_until_ns = 0  # until when at least the guard may move what is stopped; 0: it may not
         self._good_ns: int | None = None  # the last good command; None while nobody is expected to send
@@ -145,10 +151,8 @@ class Watchdog:
 
     def fault(self, what: str, now_ns: int) -> None:
         """Something inside the robot failed: stop, and stay stopped. An emergency stop stays one, and says so too."""
-        if self.mode == "estop":
-            self._stop("estop", f"{self._estop_reason}; {FAULT}{what}"[:512], now_ns)
-        else:
-            self._stop("stopped", f"{FAULT}{what}"[:512], now_ns)
+        self._fault = f"{FAULT}{what}"[:MOST_FAULT]
+        self._stop("estop" if self.mode == "estop" else "stopped", self._why(), now_ns)
 
     def block(self, why: str, now_ns: int) -> None:
         """The robot itself says that it cannot move: stopped, by what it says now; called for as long as it says so.
@@ -156,27 +160,30 @@ class Watchdog:
         Only an acknowledgement that is built on a state from after the last call leads on. What it says is the
         reason, after that of an emergency stop: an acknowledgement counts for the reason that was seen.
         """
-        if self.mode == "estop":
-            self._enter("estop", f"{self._estop_reason}; {why}"[:512], now_ns)
-        else:
-            self._stop("stopped", why[:512], now_ns)
+        self._stop("estop" if self.mode == "estop" else "stopped", self._why(why), now_ns)
         self._stopped_ns = now_ns
 
     def _stop_for(self, command: VelocityCommand, now_ns: int) -> None:
-        """An emergency stop of whoever it is. Sent again by the same session it is the same one.
+        """An emergency stop of whoever it is. Sent on by the same session it is the same one.
 
-        Of another session it is a new one: an acknowledgement that is under way has not seen it.
+        Of another session, or after a pause, it is a new one: an acknowledgement under way has not seen it.
         """
-        if self.mode != "estop":
-            self._estopped_by.clear()
         if command.session == self.lease.holder and not self._is_old(command):
             self._note_seq(command)  # what its sender sent before is no answer to it
-        before = len(self._estopped_by)
-        if command.session in self._estopped_by or before >= REMEMBERED_SESSIONS:
-            return
-        self._estopped_by.add(command.session)
-        self._estop_reason = f"{ESTOP_BY}{command.source}" + (f", and by {before} before" if before else "")
-        self._stop("estop", self._estop_reason, now_ns)
+        before, came_ns = len(self._estopped_by), self._estopped_by.get(command.session)
+        if self.mode != "estop" or (came_ns is None and before < REMEMBERED_SESSIONS):
+            self._estop_reason = f"{ESTOP_BY}{command.source}" + (
+                f", and by {before} before" if before else ""
+            )
+            self._stop("estop", self._why(), now_ns)
+        elif came_ns is None or now_ns - came_ns > ESTOP_ANEW_NS:
+            self._stopped_ns = now_ns  # one of too many, or the same sender again
+        if came_ns is not None or before < REMEMBERED_SESSIONS:
+            self._estopped_by[command.session] = now_ns
+
+    def _why(self, more: str = "") -> str:
+        """All reasons of the stop that is latched, the emergency stop first."""
+        return "; ".join(filter(None, (self._estop_reason, self._fault, more)))[:512]
 
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
@@ -305,6 +312,9 @@ class Watchdog:
     def _enter(self, mode: SafetyMode, reason: str, now_ns: int) -> None:
         if (mode, reason) == (self.mode, self.reason):
             return
+        if mode not in _LATCHED:  # the next stop has reasons of its own
+            self._estopped_by.clear()
+            self._estop_reason = self._fault = ""
         self.mode, self.reason = mode, reason
         self.changes.append(ModeChange(now_ns, mode, reason))
         if mode == "run" and self.first_run_ns is None:

@@ -74,7 +74,10 @@ def test_a_fault_in_a_stop_is_said_as_well_and_what_comes_and_goes_once(rig):
     for why in ("power off", "power on", "power off"):
         rig.watchdog.block(why, rig.now_ns)
         rig.let(300)
-    assert [line for line in rig.said if "power" in line] == ["stop: power off", "stop: power on"]
+    assert [line for line in rig.said if "power" in line] == [
+        "stop: fault: it broke; power off",
+        "stop: fault: it broke; power on",
+    ]
 
 
 def test_an_intruder_is_named_once_and_then_counted(rig):

@@ -159,6 +159,26 @@ def test_after_another_stop_nothing_says_that_the_guard_moves_it():
     assert not any(state.guard or state.evades for state in estopped)
 
 
+@pytest.mark.parametrize("fails", ["arm_clearance", "held_by"])
+def test_a_fault_while_a_state_is_made_is_in_that_state(fails):
+    robot, link = _Guarded(SCENARIO.start), ScriptedLink("r")
+    node = RobotNode(SCENARIO, robot, link, "r", session=9)
+    now_ns = node.step(0)
+    link.take("state")
+
+    def broken(*_):
+        raise RuntimeError("sensor")
+
+    setattr(robot, fails, broken)
+    states = []
+    while not states:
+        now_ns = node.step(now_ns)
+        states += link.take("state")
+    assert (states[0].mode, states[0].reason) == ("stopped", "fault: RuntimeError: sensor")
+    assert not states[0].guard
+    assert not states[0].evades
+
+
 def test_told_not_to_it_stands_in_the_way():
     result, states = _silent(**{"safety.evade_timeout": 0.0})
     assert all(state.guard is msgspec.UNSET for state in states if state.mode == "stopped")

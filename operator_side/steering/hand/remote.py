@@ -16,6 +16,7 @@ from farhand.common.messages.state import RobotState
 from farhand.common.messages.steering import Steering
 from farhand.common.scenario.section import Section
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
+from farhand.operator_side.steering.first_seen import FirstSeen
 from farhand.operator_side.steering.hand.latch import Latch
 from farhand.operator_side.steering.hand.wheel import Wheel
 
@@ -51,6 +52,7 @@ class Remote(SteeringDevice):
         super().__init__(settings or RemoteSettings())
         self.link: Link | None = None
         self.wheel, self.latch = Wheel(), Latch()
+        self._seen = FirstSeen()
         self._decoder = Decoder(Steering)
         self._newest: Steering | None = None  # of who has the wheel
         self._seqs: dict[int, int] = {}  # newest of each session, the last few
@@ -73,10 +75,10 @@ class Remote(SteeringDevice):
         state = view.state
         if state.mode in _LATCHED:
             self.latch.disarm()
-        asked_ns = self._estop_ns
-        if asked_ns is not None and state.mode == "estop" and view.now_ns - asked_ns >= ESTOP_AT_LEAST_NS:
+        asked_ns, seen_ns = self._estop_ns, self._seen.look(state, view.now_ns)
+        if asked_ns is not None and state.mode == "estop" and seen_ns - asked_ns >= ESTOP_AT_LEAST_NS:
             self._estop_ns = None
-        if self._clears != _stop_of(state):
+        if view.stopping or self._clears != _stop_of(state):
             self._clears = None
         if not self.wheel.look(view.now_ns):
             self._newest = None

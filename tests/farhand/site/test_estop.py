@@ -7,9 +7,10 @@ import pytest
 from farhand.common.errors import InputError
 from farhand.common.link.ports import free_ports
 from farhand.common.messages.base import Echo
+from farhand.common.messages.codec import encode
 from farhand.operator_side.steering.device import SteeringInput
 from farhand.operator_side.supervision import Supervision
-from farhand.site.estop import EstopServer, emergency_stop
+from farhand.site.estop import EstopServer, _Stop, emergency_stop
 from farhand.site.reach import check_rights
 from farhand.testing import Programs, Witness, short_task, state
 from tests.examples import also
@@ -57,6 +58,52 @@ def test_it_is_sent_until_the_robot_has_latched_it_then_only_an_acknowledgement_
     assert supervision.step(state(3, mode="estop"), "", ACKNOWLEDGE, 0).mode == "acknowledge"
 
 
+def test_a_device_s_emergency_stop_ends_an_acknowledgement_and_one_given_before_counts_no_more():
+    supervision = Supervision(7, "operator")
+    there = state(1, **LATCHED, holder=7)
+    supervision.clear(there)
+    assert supervision.step(there, "", DRIVE, 0).mode == "acknowledge"
+    assert supervision.step(there, "", SteeringInput(estop=True), 20 * MS).mode == "estop"
+    assert supervision.step(there, "", DRIVE, 40 * MS).mode == "hold"
+    supervision.stop()
+    for tick in range(3):
+        assert supervision.step(there, "", ACKNOWLEDGE, (60 + 20 * tick) * MS).mode == "estop"
+    ours = state(2, **LATCHED, holder=7, echo=Echo(7, 9, 60 * MS, 0))
+    assert supervision.step(ours, "", ACKNOWLEDGE, 140 * MS).mode == "hold"  # still held down from before
+    assert supervision.step(ours, "", DRIVE, 160 * MS).mode == "hold"
+    assert supervision.step(ours, "", ACKNOWLEDGE, 180 * MS).mode == "acknowledge"
+
+
+def test_one_who_is_not_in_control_is_confirmed_by_a_state_that_came_late_enough_and_by_no_older_one():
+    supervision = Supervision(7, "operator")
+    before = state(1, **LATCHED, holder=8)
+    for tick in range(500):  # 10 s in which nothing comes; asked again every second, as the command does
+        if tick % 50 == 0:
+            supervision.stop()
+        assert supervision.step(before, "", DRIVE, 20 * tick * MS).mode == "estop"
+    assert supervision.step(state(2, **LATCHED, holder=8), "", DRIVE, 10_000 * MS).mode != "estop"
+    assert not supervision.estop
+
+
+@pytest.mark.parametrize(
+    ("reasons", "said"),
+    [
+        (["", "emergency stop by anna@h"], True),
+        (["emergency stop by anna@h"], False),  # it was there before
+        (["emergency stop by bob@h", "emergency stop by anna@h, and by 1 before"], True),
+        (["emergency stop by bob@h", "emergency stop by anna@h; fault: x"], True),
+        (["", "emergency stop by anna@host"], False),  # another one's
+    ],
+)
+def test_an_emergency_stop_is_told_from_those_of_others_and_from_an_earlier_one(reasons, said):
+    stop = _Stop("r", "anna@h")
+    stop._sent_ns = stop._clock.now_ns()
+    for seq, reason in enumerate(reasons):
+        shown = encode(state(seq, mode="estop" if reason else "run", reason=reason))
+        stop._see(SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda shown=shown: shown)))
+    assert stop._done.is_set() is said
+
+
 @pytest.mark.parametrize("holder", [7, 8])
 def test_a_stop_that_was_there_before_confirms_none_that_is_asked_for_while_it_is_acknowledged(holder):
     supervision = Supervision(7, "operator")
@@ -64,14 +111,14 @@ def test_a_stop_that_was_there_before_confirms_none_that_is_asked_for_while_it_i
     supervision.clear(before)
     supervision.step(before, "", DRIVE, 1000 * MS)
     supervision.stop()
-    for tick in range(49):
+    for tick in range(60):
         now_ns = (1020 + 20 * tick) * MS
         assert supervision.step(before, "", DRIVE, now_ns).mode == "estop"
         assert supervision.estop
     assert supervision.clearing is None
     echo = Echo(7, 90, 1500 * MS, 0) if holder == 7 else None
     assert (
-        supervision.step(state(2, **LATCHED, holder=holder, echo=echo), "", DRIVE, 2020 * MS).mode != "estop"
+        supervision.step(state(2, **LATCHED, holder=holder, echo=echo), "", DRIVE, 2220 * MS).mode != "estop"
     )
     assert not supervision.estop
 

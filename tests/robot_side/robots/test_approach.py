@@ -16,7 +16,7 @@ RADIUS, D_MIN = 0.05, 0.01
 def comes(*obstacles, at=0.0, robot=None):
     robot = robot or PointRobot((0.0, 0.0, 0.5), 0.1)
     field, now_ns = ObstacleField(obstacles, 0), round(at * S)
-    approach = Approach(robot, RADIUS, D_MIN)
+    approach = Approach(robot, RADIUS, D_MIN, 10_000_000)
     assert approach.comes(field, robot.sample(), now_ns)  # it has not looked at all yet
     return [approach.comes(field, robot.sample(), now_ns) for _ in range(LOOKS)][-1]
 
@@ -52,6 +52,18 @@ def test_nothing_slips_through_between_two_instants(phase):
     passing = Obstacle("b", (0.5 + 0.01 * phase, aside, 0.5), 0.1, velocity=(-1.0, 0.0, 0.0))
     assert AHEAD > 0.6
     assert comes(passing)
+
+
+@pytest.mark.parametrize("change", ["pause", "scene"])
+def test_what_was_seen_before_a_pause_or_of_another_scene_says_nothing(change):
+    robot = PointRobot((0.0, 0.0, 0.5), 0.1)
+    approach, empty = Approach(robot, RADIUS, D_MIN, 10_000_000), ObstacleField([ball(9.0, 0.5)], 0)
+    for k in range(LOOKS):
+        comes = approach.comes(empty, robot.sample(), k * 10_000_000)
+    assert not comes
+    later_ns = 2 * S if change == "pause" else LOOKS * 10_000_000
+    field = empty if change == "pause" else ObstacleField([ball(1.0, -0.5)], later_ns)
+    assert approach.comes(field, robot.sample(), later_ns)
 
 
 def test_who_is_on_its_way_aside_is_not_made_to_stand():

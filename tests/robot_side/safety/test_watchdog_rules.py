@@ -191,6 +191,29 @@ def test_what_comes_into_a_stop_is_cleared_by_no_acknowledgement_that_has_not_se
     assert watchdog.mode == "hold"
 
 
+def test_no_reason_of_a_stop_is_lost_and_each_anew_is_to_be_seen(watchdog):
+    watchdog.receive(command(1), START)
+    watchdog.receive(command(0, "estop", session=98, source="bob", echo=False), START)
+    watchdog.fault("it broke", START + MS)
+    watchdog.receive(command(0, "estop", session=99, source="eve", echo=False), START + 2 * MS)
+    watchdog.block("power off", START + 3 * MS)
+    assert watchdog.reason == "emergency stop by eve, and by 1 before; fault: it broke; power off"
+    now = START + 3000 * MS
+    watchdog.receive(command(0, "estop", session=98, source="bob", echo=False), now)  # once more, long after
+    assert not watchdog.receive(command(2, "acknowledge", now=now - MS), now + 50 * MS)
+    assert watchdog.receive(command(3, "acknowledge", now=now + 40 * MS), now + 100 * MS)
+    watchdog.block("power off", now + 200 * MS)
+    assert watchdog.reason == "power off"
+
+
+def test_of_more_senders_than_are_told_apart_each_stop_is_new(watchdog):
+    watchdog.receive(command(1), START)
+    for n in range(70):
+        watchdog.receive(command(0, "estop", session=100 + n, echo=False), START + n * MS)
+    assert not watchdog.receive(command(2, "acknowledge", now=START + 69 * MS), START + 80 * MS)
+    assert watchdog.receive(command(3, "acknowledge", now=START + 95 * MS), START + 100 * MS)
+
+
 def test_what_its_holder_sent_before_its_emergency_stop_clears_none(watchdog):
     watchdog.receive(command(1), START)
     watchdog.receive(command(9, "estop"), START + MS)

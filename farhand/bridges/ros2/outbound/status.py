@@ -41,8 +41,7 @@ def servo_status(report: ControlReport | None, age: float, state: RobotState | N
     if lost or report is None:
         return INVALID, lost
     if report.safety in _LATCHED:
-        acts = f"; guard {guard_words(report.guard)}" if report.guard is not None else ""
-        return INVALID, f"{report.safety}: {report.safety_reason}{acts}"
+        return INVALID, f"{report.safety}: {report.safety_reason}{_aside(report, state)}"
     asks = norm(report.desired) > STANDS
     held = state.held_by if state is not None and isinstance(state.held_by, str) else ""
     if asks and held.startswith("joint"):
@@ -59,6 +58,17 @@ def servo_status(report: ControlReport | None, age: float, state: RobotState | N
         words += f"; free to the {report.free_side}" if report.free_side else ""
         return HALTED_FOR_COLLISION if halted else SLOWED_FOR_COLLISION, words
     return NO_WARNING, report.stop_reason or (f"held by {report.held_by}" if report.held_by else "")
+
+
+def _aside(report: ControlReport, state: RobotState | None) -> str:
+    """What the robot's guard does, or may do, in a stop that silence brought."""
+    if report.safety != "stopped" or state is None or state.evades is not True:
+        return ""
+    return (
+        f"; guard {guard_words(report.guard)}"
+        if report.guard is not None
+        else "; its guard may still move it"
+    )
 
 
 def diagnostics(report: ControlReport | None, age: float, state: RobotState | None,

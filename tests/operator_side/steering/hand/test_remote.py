@@ -1,6 +1,7 @@
 """A hand at another program: what moves the robot, and all that does not."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -24,7 +25,7 @@ class Hand:
 
     def __init__(self):
         self.device, self.now, self.seq = Remote(RemoteSettings(speed=0.2, turn_speed=0.5)), 0, {}
-        self.waiting = []
+        self.waiting, self.states = [], 0
         self.device.listen(self)
 
     def receive(self):
@@ -48,8 +49,15 @@ class Hand:
         self.now += ms * MS
         return self
 
-    def wants(self, **fields):
-        return self.device.read(view(self.now, state(**fields)))
+    def wants(self, stopping=False, **fields):
+        """What it wants, the robot being so in its newest state, which is a new one."""
+        self.states += 1
+        return self.still_wants(stopping, **fields)
+
+    def still_wants(self, stopping=False, **fields):
+        """The same, no newer state having come."""
+        seen = view(self.now, state(self.states, **fields))
+        return self.device.read(replace(seen, stopping=stopping))
 
 
 def pressed(**more):
@@ -129,7 +137,20 @@ def test_anyone_may_stop_it_until_the_robot_says_so_and_then_a_new_press_is_need
 def test_an_old_stop_in_the_newest_state_does_not_swallow_a_new_one():
     hand = Hand().says(estop=True)
     assert hand.wants(mode="estop").estop
-    assert not hand.after(1000).wants(mode="estop").estop
+    assert hand.after(900).wants(mode="estop").estop
+    assert (
+        hand.after(5000).still_wants(mode="estop").estop
+    )  # nothing has come since: it says nothing of this stop
+    assert not hand.wants(mode="estop").estop
+
+
+def test_an_emergency_stop_that_somebody_asks_for_elsewhere_ends_an_acknowledgement():
+    hand = Hand().says(acknowledge=True)
+    stop = {"mode": "estop", "reason": "emergency stop by operator", "stops": 1}
+    assert hand.wants(**stop).acknowledge
+    assert not hand.after(20).wants(stopping=True, **stop).acknowledge
+    assert not hand.after(20).wants(**stop).acknowledge
+    assert hand.says(acknowledge=True).wants(**stop).acknowledge
 
 
 def test_an_acknowledgement_counts_for_the_stop_that_was_there():
