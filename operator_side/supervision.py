@@ -180,7 +180,9 @@ class Supervision:
         return decision
 
     def confirm(self, state: RobotState | None, now_ns: int) -> None:
-        """Look whether the robot has latched the emergency stop that was asked for, and nothing else."""
+        """Look whether the robot has latched the emergency stop that is sent, and nothing else."""
+        if self.estop and self._estop_ns is None:
+            self._estop_ns = now_ns
         if state is not None and self.estop and self._has_latched(state, self._seen.look(state, now_ns)):
             self.estop = False
 

@@ -5,6 +5,7 @@ The robot obeys an emergency stop whoever holds control, and latches it: only an
 control leads out of it.
 """
 
+import secrets
 import threading
 from collections.abc import Sequence
 
@@ -23,6 +24,8 @@ from farhand.site.reach import reaching
 
 PATIENCE = 5.0
 AGAIN_AFTER = 0.1
+MOST_NAME = 50
+"""Letters of who asks: a name has at most 64."""
 AT_LEAST = 3.0
 """s: for so long it is sent where the robot shows the emergency stop of another one."""
 
@@ -79,12 +82,12 @@ class _Stop:
     """
 
     def __init__(self, robot: str, source: str) -> None:
-        self._robot, self._source = robot, source
+        # no other stop is named so: neither an earlier one of the same person, nor one of an operator's program of his
+        self._robot, self._source = robot, f"{source[:MOST_NAME]} (call {secrets.token_hex(2)})"
         self._done = threading.Event()
         self._reason = ""
         self._decoder = Decoder(RobotState)
         self._sent_ns: int | None = None
-        self._before: str | None = None  # the robot's reason in the first state that came
         self._clock = SystemClock()
 
     def send(self, sessions: Sequence[zenoh.Session], patience: float) -> str | None:
@@ -119,13 +122,11 @@ class _Stop:
         state = self._decoder.decode(sample.payload.to_bytes())
         if state is None or self._sent_ns is None:
             return
-        self._before = self._before if self._before is not None else state.reason
         if state.mode != "estop":
             return
-        new, who = state.reason != self._before, state.reason.removeprefix(ESTOP_BY)
-        ours = who == self._source or who.startswith((f"{self._source}, and by ", f"{self._source}; "))
-        # a stop that was there before may be over by an acknowledgement that is under way to the robot
-        if (ours and new) or self._clock.now_ns() - self._sent_ns > to_ns(AT_LEAST):
+        # another one that was there before may be over by an acknowledgement that is under way to the robot
+        ours = state.reason.startswith(f"{ESTOP_BY}{self._source}")
+        if ours or self._clock.now_ns() - self._sent_ns > to_ns(AT_LEAST):
             self._settle(state.reason)
 
     def _hear(self, reply: zenoh.Reply) -> None:

@@ -216,7 +216,9 @@ def _through_operator(reached: Reached, robot: str, change: Change) -> tuple[str
     clock = SystemClock()
     for session in reached.sessions:
         asked_ns, key = clock.now_ns(), scene_change_key(robot)
-        heard = bool(session.declare_querier(key).matching_status)
+        querier = session.declare_querier(key)
+        heard = querier.matching_status.matching  # type: ignore[attr-defined]  # its stubs say bool
+        querier.undeclare()  # type: ignore[no-untyped-call]
         for reply in session.get(key, payload=msgspec.msgpack.encode(change), timeout=PATIENCE):
             if reply.ok is None:
                 continue

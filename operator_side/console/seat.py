@@ -208,7 +208,9 @@ class Seat:
         elif number != self.driver:
             return
         elif said.what == "acknowledge":
-            self._acknowledge, self._estop_ns, self.stopping = True, None, False
+            # an emergency stop that is still sent, whoever asked for it, was not there to be acknowledged
+            self._acknowledge = self._estop_ns is None
+            self.stopping = self.stopping and not self._acknowledge
         elif said.what == "release":
             self._free()
         elif said.to in self.pages:

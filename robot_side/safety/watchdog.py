@@ -80,7 +80,7 @@ class Watchdog:
         self._estopped_by: dict[
             int, int
         ] = {}  # when it came last, by session, of the stop that is latched (ns)
-        self._fault = ""  # of the stop that is latched
+        self._fault = self._blocked = ""  # of the stop that is latched
         self._stopped_ns = 0  # since when the latched stop is there
         self._evades_until_ns = 0  # until when at least the guard may move what is stopped; 0: it may not
         self._good_ns: int | None = None  # the last good command; None while nobody is expected to send
@@ -160,7 +160,8 @@ class Watchdog:
         Only an acknowledgement that is built on a state from after the last call leads on. What it says is the
         reason, after that of an emergency stop: an acknowledgement counts for the reason that was seen.
         """
-        self._stop("estop" if self.mode == "estop" else "stopped", self._why(why), now_ns)
+        self._blocked = why
+        self._stop("estop" if self.mode == "estop" else "stopped", self._why(), now_ns)
         self._stopped_ns = now_ns
 
     def _stop_for(self, command: VelocityCommand, now_ns: int) -> None:
@@ -181,9 +182,9 @@ class Watchdog:
         if came_ns is not None or before < REMEMBERED_SESSIONS:
             self._estopped_by[command.session] = now_ns
 
-    def _why(self, more: str = "") -> str:
+    def _why(self) -> str:
         """All reasons of the stop that is latched, the emergency stop first."""
-        return "; ".join(filter(None, (self._estop_reason, self._fault, more)))[:512]
+        return "; ".join(filter(None, (self._estop_reason, self._fault, self._blocked)))[:512]
 
     def _judge(self, command: VelocityCommand, now_ns: int) -> str:
         """Why the command is refused, or an empty string. Grants and renews the lease on the way."""
@@ -314,7 +315,7 @@ class Watchdog:
             return
         if mode not in _LATCHED:  # the next stop has reasons of its own
             self._estopped_by.clear()
-            self._estop_reason = self._fault = ""
+            self._estop_reason = self._fault = self._blocked = ""
         self.mode, self.reason = mode, reason
         self.changes.append(ModeChange(now_ns, mode, reason))
         if mode == "run" and self.first_run_ns is None:

@@ -123,8 +123,9 @@ class Remote(SteeringDevice):
             return
         if self.wheel.driver != had:
             self.latch = Latch()
-        if steering.acknowledge and not steering.estop and _stop_of(state) is not None:
-            self._clears, self._estop_ns = _stop_of(state), None
+        # an emergency stop that is still sent, whoever asked for it, was not there to be acknowledged
+        if steering.acknowledge and self._estop_ns is None and _stop_of(state) is not None:
+            self._clears = _stop_of(state)
         self.latch.hear(steering.engaged and not steering.estop, steering.press, now_ns)
         self._newest = steering
         if steering.release:

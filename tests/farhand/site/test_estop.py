@@ -86,22 +86,31 @@ def test_one_who_is_not_in_control_is_confirmed_by_a_state_that_came_late_enough
 
 
 @pytest.mark.parametrize(
-    ("reasons", "said"),
+    ("reason", "said"),
     [
-        (["", "emergency stop by anna@h"], True),
-        (["emergency stop by anna@h"], False),  # it was there before
-        (["emergency stop by bob@h", "emergency stop by anna@h, and by 1 before"], True),
-        (["emergency stop by bob@h", "emergency stop by anna@h; fault: x"], True),
-        (["", "emergency stop by anna@host"], False),  # another one's
+        ("emergency stop by {own}", True),
+        ("emergency stop by {own}, and by 1 before; fault: x", True),
+        ("emergency stop by anna@h", False),  # an earlier one, or of an operator's program of hers
+        ("emergency stop by anna@h (call 0)", False),
+        ("emergency stop by bob@h", False),
     ],
 )
-def test_an_emergency_stop_is_told_from_those_of_others_and_from_an_earlier_one(reasons, said):
+def test_an_emergency_stop_is_told_from_those_of_others_and_from_an_earlier_one(reason, said):
     stop = _Stop("r", "anna@h")
     stop._sent_ns = stop._clock.now_ns()
-    for seq, reason in enumerate(reasons):
-        shown = encode(state(seq, mode="estop" if reason else "run", reason=reason))
-        stop._see(SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda shown=shown: shown)))
+    shown = encode(state(1, mode="estop", reason=reason.format(own=stop._source)))
+    stop._see(SimpleNamespace(payload=SimpleNamespace(to_bytes=lambda: shown)))
     assert stop._done.is_set() is said
+
+
+def test_a_faulted_program_sends_it_until_it_is_confirmed_and_not_for_ever():
+    supervision = Supervision(7, "operator")
+    supervision.stop()
+    supervision.confirm(None, 0)
+    supervision.confirm(state(1, **LATCHED, holder=8), 500 * MS)
+    assert supervision.estop
+    supervision.confirm(state(2, **LATCHED, holder=8), 1000 * MS)
+    assert not supervision.estop
 
 
 @pytest.mark.parametrize("holder", [7, 8])

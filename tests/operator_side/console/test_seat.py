@@ -120,6 +120,7 @@ def test_anybody_stops_and_the_driver_alone_acknowledges():
     assert not pages.after(1).acknowledge
     pages.steers(1, True, 2)
     assert not pages.after(1).engaged
+    pages.after(1_000)
     pages.does(1, "acknowledge")
     wish = pages.after(1)
     assert (wish.estop, wish.acknowledge) == (False, True)
@@ -159,6 +160,15 @@ def test_a_stop_counts_as_asked_for_until_the_robot_shows_it_or_it_is_acknowledg
         assert pages.seat.stopping
         ends(pages)
         assert not pages.seat.stopping
+
+
+def test_the_driver_acknowledges_no_stop_that_another_page_has_just_asked_for():
+    pages = driving()
+    pages.does(2, "estop")
+    pages.does(1, "acknowledge")
+    wish = pages.after(20)
+    assert (wish.estop, wish.acknowledge) == (True, False)
+    assert pages.seat.stopping
 
 
 def test_who_has_seen_no_frame_for_half_a_second_steers_blindly_and_moves_nothing():

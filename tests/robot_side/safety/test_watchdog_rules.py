@@ -204,6 +204,8 @@ def test_no_reason_of_a_stop_is_lost_and_each_anew_is_to_be_seen(watchdog):
     assert watchdog.receive(command(3, "acknowledge", now=now + 40 * MS), now + 100 * MS)
     watchdog.block("power off", now + 200 * MS)
     assert watchdog.reason == "power off"
+    watchdog.fault("it broke again", now + 300 * MS)
+    assert watchdog.reason == "fault: it broke again; power off"
 
 
 def test_of_more_senders_than_are_told_apart_each_stop_is_new(watchdog):

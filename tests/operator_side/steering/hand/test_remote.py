@@ -153,6 +153,12 @@ def test_an_emergency_stop_that_somebody_asks_for_elsewhere_ends_an_acknowledgem
     assert hand.says(acknowledge=True).wants(**stop).acknowledge
 
 
+def test_another_hand_s_emergency_stop_is_swallowed_by_no_acknowledgement():
+    hand = Hand().says(2, estop=True).says(1, acknowledge=True)
+    wish = hand.wants(mode="stopped", stops=1)
+    assert (wish.estop, wish.acknowledge) == (True, False)
+
+
 def test_an_acknowledgement_counts_for_the_stop_that_was_there():
     hand = Hand().says(acknowledge=True)
     assert hand.wants(mode="stopped", stops=1).acknowledge
