@@ -134,6 +134,7 @@ def test_plugged_in_again_it_wants_a_fresh_press(gamepad, operator):
     drives(gamepad, operator)
     gamepad.does("unplug")
     gamepad.until_it_says("unplugged")
+    operator.hears(lambda told: told.release)  # not what was said before
     gamepad.does("plug", "press rightshoulder", "move lefty -1")
     gamepad.until_it_says("let go of rightshoulder")
     gamepad.does("move lefty 0", "release rightshoulder")
