@@ -283,6 +283,7 @@ def test_a_silent_operator_locks_and_a_held_key_is_not_done_later(desk):
     try:
         desk.until(lambda: not desk.engaged, "it lets go")
         desk.until(lambda: desk.browser.text("pill").lower() == "link lost", "it says so")
+        desk.until(lambda: "Driving is locked" in desk.browser.text("sentence"), "lost, and not only late")
         desk.browser.run(NOTES)  # it is said for some seconds, and a busy browser answers its script seldom
     finally:
         desk.operator.silent = False
