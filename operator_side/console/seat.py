@@ -89,6 +89,7 @@ class Seat:
         self.change: ChooseNetwork | CutNetwork | None = None
         self._press = 0
         self._estop_ns: int | None = None
+        self._estop_by = 0  # number of the page that asked for it last
         self._acknowledge = self._take = self._release = False
 
     def join(self, number: int, name: str, now_ns: int) -> None:
@@ -196,7 +197,7 @@ class Seat:
 
     def _do(self, number: int, page: Page, said: Do, now_ns: int) -> None:
         if said.what == "estop":
-            self._estop_ns, self.stopping = now_ns, True
+            self._estop_ns, self._estop_by, self.stopping = now_ns, number, True
             if not self.latched:
                 self.stopped_by = page.name
             for each in self.pages.values():
@@ -208,8 +209,9 @@ class Seat:
         elif number != self.driver:
             return
         elif said.what == "acknowledge":
-            # an emergency stop that is still sent, whoever asked for it, was not there to be acknowledged
-            self._acknowledge = self._estop_ns is None
+            # another page's emergency stop that is still sent was not there to be acknowledged
+            self._acknowledge = self._estop_ns is None or (number == self._estop_by and self.latched)
+            self._estop_ns = None if self._acknowledge else self._estop_ns
             self.stopping = self.stopping and not self._acknowledge
         elif said.what == "release":
             self._free()

@@ -53,6 +53,7 @@ class Remote(SteeringDevice):
         self.link: Link | None = None
         self.wheel, self.latch = Wheel(), Latch()
         self._seen = FirstSeen()
+        self._estop_by = 0  # session of who asked for it last
         self._decoder = Decoder(Steering)
         self._newest: Steering | None = None  # of who has the wheel
         self._seqs: dict[int, int] = {}  # newest of each session, the last few
@@ -114,7 +115,7 @@ class Remote(SteeringDevice):
 
     def _hear(self, steering: Steering, now_ns: int, state: RobotState) -> None:
         if steering.estop:
-            self._estop_ns = now_ns
+            self._estop_ns, self._estop_by = now_ns, steering.session
             self._clears = None
             self.latch.disarm()
         had = self.wheel.driver
@@ -123,9 +124,10 @@ class Remote(SteeringDevice):
             return
         if self.wheel.driver != had:
             self.latch = Latch()
-        # an emergency stop that is still sent, whoever asked for it, was not there to be acknowledged
-        if steering.acknowledge and self._estop_ns is None and _stop_of(state) is not None:
-            self._clears = _stop_of(state)
+        # another hand's emergency stop that is still sent was not there to be acknowledged
+        own = steering.session == self._estop_by and not steering.estop and state.mode == "estop"
+        if steering.acknowledge and (own or self._estop_ns is None) and _stop_of(state) is not None:
+            self._clears, self._estop_ns = _stop_of(state), None
         self.latch.hear(steering.engaged and not steering.estop, steering.press, now_ns)
         self._newest = steering
         if steering.release:
