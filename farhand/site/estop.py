@@ -120,9 +120,7 @@ class _Stop:
 
     def _see(self, sample: zenoh.Sample) -> None:
         state = self._decoder.decode(sample.payload.to_bytes())
-        if state is None or self._sent_ns is None:
-            return
-        if state.mode != "estop":
+        if state is None or state.mode != "estop" or self._sent_ns is None:
             return
         # another one that was there before may be over by an acknowledgement that is under way to the robot
         ours = state.reason.startswith(f"{ESTOP_BY}{self._source}")

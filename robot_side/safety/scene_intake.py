@@ -31,9 +31,6 @@ AGAIN_NS = 100_000_000
 REPEATED_NS = 1_000_000_000
 """For so long a change is announced again and again: a network may lose some."""
 
-SAID_MOST = 160
-"""Letters of why something is no request: it may repeat words of a stranger's."""
-
 HEAD_BYTES = 2_000
 """Of a request, beside its obstacles."""
 
@@ -162,8 +159,8 @@ class SceneIntake:
             return None
         request = self._decoder.decode(payload)
         if request is None:
-            why = " ".join(self._decoder.last_refusal.split())
-            self.newest_refusal = f"what is no request: {why[:SAID_MOST]}"
+            reason = self._decoder.last_refusal.partition(":")[0]  # the rest may repeat a stranger's letters
+            self.newest_refusal = f"what is no request ({reason})"
         return request
 
     def _staleness(self, request: SceneRequest, now_ns: int) -> str:

@@ -1,3 +1,4 @@
+import msgspec
 import pytest
 
 from farhand.common.link.link import Packet
@@ -111,6 +112,13 @@ def test_what_arrives_is_counted_whatever_became_of_it(rig):
     rig.send(EVE, 9)
     rig.intake.take([Packet(command_key("r"), b"x")] * 1000, rig.now_ns)
     assert rig.intake.arrived == before + 1003
+
+
+def test_what_is_no_request_puts_no_letters_of_its_own_into_the_log():
+    scene = SceneIntake("r", SafetySettings(), ROBOT)
+    scene.take([Packet(scene_request_key("r"), msgspec.msgpack.encode({"\x1b[2J all is well": 1}))])
+    assert scene.judge((), 0, lambda obstacles: "") is None
+    assert scene.newest_refusal in ("what is no request (unknown-field)", "what is no request (type)")
 
 
 def test_refused_changes_of_the_scene_fill_no_log():
