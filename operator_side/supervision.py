@@ -27,13 +27,11 @@ from farhand.common.messages.base import SafetyMode
 from farhand.common.messages.command import CommandMode
 from farhand.common.messages.state import RobotState
 from farhand.operator_side.steering.device import SteeringInput
-from farhand.operator_side.steering.first_seen import FirstSeen
+from farhand.operator_side.steering.first_seen import ESTOP_AT_LEAST_NS, FirstSeen
 
 NOT_ENGAGED = "device not engaged"
 """What is said of a device that holds nothing down."""
 ASK_PERIOD_NS = 1_000_000_000
-ESTOP_AT_LEAST_NS = 1_000_000_000
-"""An operator that is not in control sends an emergency stop for so long, whatever was known of the robot till then."""
 ESTOP_ASKED = "emergency stop, asked for by `farhand estop`"
 _TWINS = "two robots call themselves {!r}; end one, or give it another --robot"
 
@@ -155,16 +153,12 @@ class Supervision:
         self, state: RobotState | None, lacking: str, steering: SteeringInput | None, now_ns: int
     ) -> Decision:
         """The decision of a tick."""
-        seen_ns = 0
         if state is not None:
             self._look(state)
-            seen_ns = self._seen.look(state, now_ns)
         if steering is not None:
             steering = self._up_to_date(steering)
-        if self.estop and state is not None and self._has_latched(state, seen_ns):
-            self.estop = False  # from here on an acknowledgement counts
+        self.confirm(state, now_ns)
         if self.estop:
-            self._estop_ns = now_ns if self._estop_ns is None else self._estop_ns
             return Decision("estop", ESTOP_ASKED)
         if self.clearing is not None and steering is not None:
             steering = replace(steering, acknowledge=True)
@@ -180,10 +174,12 @@ class Supervision:
         return decision
 
     def confirm(self, state: RobotState | None, now_ns: int) -> None:
-        """Look whether the robot has latched the emergency stop that is sent, and nothing else."""
-        if self.estop and self._estop_ns is None:
+        """Look whether the robot has latched the emergency stop that is sent: then an acknowledgement counts again."""
+        if not self.estop:
+            return
+        if self._estop_ns is None:
             self._estop_ns = now_ns
-        if state is not None and self.estop and self._has_latched(state, self._seen.look(state, now_ns)):
+        if state is not None and self._has_latched(state, self._estop_ns, self._seen.look(state, now_ns)):
             self.estop = False
 
     def _up_to_date(self, steering: SteeringInput) -> SteeringInput:
@@ -193,10 +189,9 @@ class Supervision:
         self._outdated = self._outdated and steering.acknowledge
         return replace(steering, acknowledge=False) if self._outdated else steering
 
-    def _has_latched(self, state: RobotState, seen_ns: int) -> bool:
+    def _has_latched(self, state: RobotState, since_ns: int, seen_ns: int) -> bool:
         """Whether the robot shows a stop of ours: one that it showed before may be over by what is under way to it."""
-        since_ns = self._estop_ns
-        if state.mode != "estop" or since_ns is None:
+        if state.mode != "estop":
             return False
         if state.holder == self.session:
             echo = state.echo

@@ -2,6 +2,9 @@
 
 from farhand.common.messages.state import RobotState
 
+ESTOP_AT_LEAST_NS = 1_000_000_000
+"""An emergency stop is sent until a state has come so long after that shows one: an earlier state may show another."""
+
 
 class FirstSeen:
     """Looks at the newest state, tick by tick."""

@@ -16,12 +16,10 @@ from farhand.common.messages.state import RobotState
 from farhand.common.messages.steering import Steering
 from farhand.common.scenario.section import Section
 from farhand.operator_side.steering.device import SteeringDevice, SteeringInput, View
-from farhand.operator_side.steering.first_seen import FirstSeen
+from farhand.operator_side.steering.first_seen import ESTOP_AT_LEAST_NS, FirstSeen
 from farhand.operator_side.steering.hand.latch import Latch
 from farhand.operator_side.steering.hand.wheel import Wheel
 
-ESTOP_AT_LEAST_NS = 1_000_000_000
-"""An emergency stop is sent for at least this long: the state that shows one may be of an earlier one."""
 LATE_NS = 150_000_000
 """A message that took so much longer than the fastest of its program presses nothing; it still stops and lets go."""
 _LATCHED = ("stopped", "estop")
