@@ -97,7 +97,7 @@ class StatusView:
                 report, self._guard = msgspec.structs.replace(report, guard=self._guard), None
             around = self._around.words(now_ns)
             told = line(report, shown, elapsed, "" if around == self._told_around else around)
-            self._told_around = around if told.endswith(around) else self._told_around
+            self._told_around = around if around in told else self._told_around
             self._console.print(told, highlight=False, markup=False, soft_wrap=True)
 
     def _note(self, clearance: float, sent_ns: int) -> None:

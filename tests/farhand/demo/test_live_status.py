@@ -161,9 +161,10 @@ def test_what_is_around_is_in_a_line_once_and_again_when_it_has_changed():
         for tenth in range(121):
             now_ns = tenth * S // 10
             view.see([(scenes[tenth], now_ns)] if tenth in scenes else [])
-            driving = report(tenth, **DRIVING | {"states": tenth + 1})
+            why = {"stop_reason": "asking for control"} if tenth < 30 else {}  # stands behind it in the line
+            driving = report(tenth, **DRIVING | {"states": tenth + 1} | why)
             view.update([Arrived(driving, now_ns)], now_ns, connected=True)
-    told = [text.partition("obstacle")[2] for text in file.getvalue().splitlines()]
+    told = [text.partition("obstacle")[2].partition("  ")[0] for text in file.getvalue().splitlines()]
     assert told == ["", ", as in its scenario", "", "", "", "s, changed 1 s ago", "s, changed 3 s ago"]
 
 
