@@ -8,6 +8,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 from farhand.common.errors import InputError, SpecError
+from farhand.common.scenario.reader import name_key
 from farhand.common.toml import read_toml
 from farhand.laboratory.campaigns.jobs import Job
 from farhand.laboratory.campaigns.store import source_digest
@@ -92,6 +93,8 @@ class Sweep:
             )
         runs = len(self.file.seed_values())
         for key, values in grid.items():
+            if not key.isprintable():
+                raise InputError(f"sweep {self.path}: grid: {key!r}: is the name of no setting")
             if not values:
                 raise InputError(f"sweep {self.path}: grid.{key}: has no values")
             if len({repr(value) for value in values}) != len(values):
@@ -171,7 +174,7 @@ def _read(path: Path) -> SweepFile:
     try:
         return msgspec.convert(read_toml(path, "sweep"), SweepFile)
     except msgspec.ValidationError as error:
-        raise InputError(f"sweep {path}: {str(error).replace('`$.', '`')}") from None
+        raise InputError(f"sweep {path}: {name_key(str(error))}") from None
 
 
 def _load(path: Path, name: str) -> Scenario:

@@ -12,7 +12,8 @@ ROOMS = {
     ),
     "desks": ("console-page", "scene-words", "live-control", "requests", "answers"),
     "files": (
-        "network-spec", "scenario", "timeline", "recording", "trace", "rate-and-model", "mesh", "urdf",
+        "network-spec", "scenario", "timeline", "recording", "trace", "rate-and-model", "mesh", "urdf", "srdf",
+        "capsules", "sweep",
     ),
     "ur": ("ur-rtde-server", "ur-rtde-client", "ur-script", "ur-dashboard"),
 }  # fmt: skip

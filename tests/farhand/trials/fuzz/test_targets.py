@@ -40,6 +40,7 @@ REGRESSIONS = {
     "scenario": [b'name="x"\nstart=[0,0,0]\ntargets=[[1,0,0]]\n[margin."a\\nb"]\nx=1'],
     "scene-words": [msgspec.msgpack.encode({"deed": "set", "\nfarhand: all is well": 1})],
     "timeline": [b'"a\\nb"=1', b'[[at]]\ntime=1\ndo="set"\n"x\\ny"=1'],
+    "sweep": [b'"a\\nb"=1\nscenario="random-tasks"\n[grid]', b'scenario="random-tasks"\n[grid]\n"a\\nb"=[]'],
     "console-page": [b"\0" + msgspec.msgpack.encode({"kind": "steer", "\nfarhand: all is well": 1})],
     "recording": [recording.seeds()[1].replace(b"farhand/r/state", b"farhand/\x95/state")],
     "requests": [which + b'{"since":3,"\xff":1}' for which in (b"\0", b"\1")],
