@@ -80,6 +80,11 @@ class Kinds(Generic[T]):
         self._loaded[name] = kind
         self._added.add(name)
 
+    def remove(self, name: str) -> None:
+        """Forget a kind that `add` took in."""
+        self._added.discard(name)
+        self._loaded.pop(name, None)
+
     def is_outside(self, name: str) -> bool:
         """Whether an installed package brings it, or nobody does."""
         return name not in self._built_in

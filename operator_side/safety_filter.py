@@ -77,7 +77,8 @@ class SafetyFilter:
         self._settings = settings
         self._tick = settings.period if tick is None else tick
         self._lag = robot.lag
-        pays = trails and robot.lag > 0.0 and settings.kind != "pass-through"
+        self._bare = settings.kind == "pass-through"
+        pays = trails and robot.lag > 0.0 and not self._bare
         self._trail = Trail(settings.speed_limit, robot.lag, self._tick) if pays else None
         self._keep = robot.radius + settings.d_min
         self._controller = controller
@@ -119,7 +120,7 @@ class SafetyFilter:
         )
         self._posed = problem
         # A margin may have grown over the robot: then the way out is solved for, and checked as strictly.
-        solution = self._controller.solve(eased(problem, self._settings) or problem)
+        solution = self._controller.solve(self._wayout(problem) or problem)
         plan, reason = safe_plan(problem, solution, self._settings)
         binding = obstacles.ids[solution.binding] if solution.binding >= 0 else ""
         lag_part = 0.0
@@ -147,6 +148,10 @@ class SafetyFilter:
         """A plan of zeros; the warm start is forgotten."""
         self._controller.reset()
         return zero_plan(self._settings)
+
+    def _wayout(self, problem: ControlProblem) -> ControlProblem | None:
+        """What is solved inside a margin; None outside, and for who takes what is asked for as it is."""
+        return None if self._bare else eased(problem, self._settings)
 
     def _kept_from_corners(
         self, problem: ControlProblem, radii: Array, plan: Array, reason: str, ahead: Ahead

@@ -129,7 +129,9 @@ def fuzz(
 
 @trial_app.command()
 def errors(
-    names: Annotated[str, typer.Option("--errors", help="Some, with commas between them; empty: all.")] = "",
+    names: Annotated[
+        str, typer.Option("--errors", help="Some ids of the table, with commas between them; empty: all.")
+    ] = "",
     runs: Annotated[int, typer.Option(min=1, max=100_000, help="Of each.")] = 200,
     seed: Annotated[int, typer.Option(min=0, help="Of networks, instants and the hostile client.")] = 1,
     workers: WorkersOption = 0,
@@ -137,7 +139,9 @@ def errors(
 ) -> None:
     """The eight communication errors of IEC 61784-3, by the network and by a hostile client, in virtual time.
 
-    Exit code 0: nothing moved that no fresh command of the lawful operator explains. 1: something did. 2: bad input.
+    Exit code 0: nothing moved that no fresh command of the lawful operator explains, and nothing came too near to an
+    obstacle where a guard is on. 1: something did, or a run crashed. 2: bad input. Rows marked †, in which a lawful
+    session is forged in all its fields, are excepted from the first.
     """
     from farhand.laboratory.campaigns.pools import LocalPool
     from farhand.trials.errors.errors import ERRORS

@@ -52,6 +52,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 START_NS = 1_000_000_000
+MOST_REST = 3.0
+"""After a run a robot may take so long to come to rest (s)."""
 
 Trajectory = list[tuple[float, float, float, float, float]]
 
@@ -66,6 +68,7 @@ class SimulationResult:
     reports: of every tick, where asked for.
     silences: (from, to) of times without an answer of the robot, s since the first motion command.
     guarding: (from, to) of times in which the guard on the robot acted, likewise.
+    fault: what the operator's program raised, which ended the run, in words; empty: nothing.
     recording_trouble: what the recording lacks, in words; empty: nothing.
     """
 
@@ -76,6 +79,7 @@ class SimulationResult:
     reports: list[ControlReport] = field(default_factory=list)
     silences: list[Span] = field(default_factory=list)
     guarding: list[Span] = field(default_factory=list)
+    fault: str = ""
     recording_trouble: str = ""
 
 
@@ -87,6 +91,8 @@ class Options(TypedDict, total=False):
         record_to: file for a recording that can be replayed.
         digest: hash every message.
         stop: asked after every tick of the operator; the run ends, as interrupted, once it is true.
+        rests: asked after the run, while the robot does what is still under way and the operator's program is gone,
+            until it is true or MOST_REST is over; nothing of that is in the result.
         controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
         listener: given the report of every tick of the operator.
         tap: given every packet that the robot sends, as it leaves, and every one that reaches the operator.
@@ -96,6 +102,7 @@ class Options(TypedDict, total=False):
     record_to: Path | None
     digest: bool
     stop: Callable[[], bool]
+    rests: Callable[[], bool]
     controller: Controller | None
     robot: Robot | None
     listener: Callable[[ControlReport], None]
@@ -152,6 +159,8 @@ def simulate_run(run: Run, **options: "Unpack[Options]") -> SimulationResult:
     with ExitStack() as closing:
         world = _World(run, options, closing)
         result = world.run()
+        if "rests" in options:
+            world.go_on_without_operator(options["rests"])
     result.recording_trouble = world.recording_trouble()
     return result
 
@@ -215,7 +224,14 @@ class _World:
             self._reports,
             results.operator.silences if results.operator is not None else [],
             results.operator.guarding if results.operator is not None else [],
+            operator.fault,
         )
+
+    def go_on_without_operator(self, rests: Callable[[], bool]) -> None:
+        """What is under way still moves the robot, until `rests()`."""
+        executor = self._executor
+        executor.remove(self._operator)
+        executor.run_until(executor.clock.now_ns() + to_ns(MOST_REST), rests, Priority.ROBOT)
 
     def recording_trouble(self) -> str:
         """What the recording lacks, once it is closed."""

@@ -55,6 +55,13 @@ class VirtualExecutor:
         self._wake(slot, self.clock.now_ns())
         self._slots.append(slot)
 
+    def remove(self, node: Node) -> None:
+        """A node that no message wakes steps no more; what it has sent is delivered."""
+        for slot in self._slots:
+            if slot.node is node:
+                slot.wake_ns = None
+        self._slots = [slot for slot in self._slots if slot.node is not node]
+
     def wire(self) -> tuple[MemoryLink, MemoryLink]:
         """Two joined link ends whose deliveries honour the sender's computing time."""
         return memory_wire(self._transmit)

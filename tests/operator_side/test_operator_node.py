@@ -123,6 +123,16 @@ def test_it_asks_for_control_and_then_drives():
     assert report.tick == 1
 
 
+@pytest.mark.parametrize("kind", ["pass-through", "one-step"])
+def test_who_filters_nothing_is_not_helped_out_of_a_margin(kind):
+    bench = Bench(**{"controller.kind": kind, "margin.kind": "none"})
+    asking = bench.drive()
+    bench.robot(asking, applied=asking)
+    bench.scene(Obstacle("ball", (0.75, 0.0, 0.6), 0.1))  # it is asked to go on into what it overlaps
+    helped = bench.tick().velocity != FORWARD
+    assert helped == (kind != "pass-through")
+
+
 def test_the_report_knows_the_round_trip():
     bench = Bench()
     command = bench.drive()

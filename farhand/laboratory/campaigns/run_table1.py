@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,22 @@ LONG, TOLD = 100, 50
 """A campaign of so many runs tells a log so often how far it is."""
 
 
+@dataclass(frozen=True)
+class Words:
+    """Attributes:
+    doing: what is done, in a word.
+    things: what the jobs are.
+    out: the folder with which a campaign that was interrupted goes on; None: that of the store.
+    """
+
+    doing: str = "running"
+    things: str = "runs"
+    out: Path | None = None
+
+
+RUNNING = Words()
+
+
 def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
     """Run the campaign or what is missing of it; returns 0, or 1 when a task crashed."""
     console = page(stderr=as_json)
@@ -57,13 +74,17 @@ def run_table1(table: Table1, pool: Pool, out: Path, as_json: bool) -> int:
     return 1 if any(row.error for row in rows) else 0
 
 
-def keep(path: Path, write: Callable[[Path], object], console: Console) -> None:
-    """Write a file or folder of results; where the disk fails, say so and go on."""
-    survive(
-        str(path),
-        lambda: write(path),
-        lambda line: console.print(line, style="yellow", markup=False, highlight=False),
+def keep(path: Path, write: Callable[[Path], object], console: Console) -> bool:
+    """Write a file or folder of results; where the disk fails, say so, go on, and return False."""
+
+    def written() -> bool:
+        write(path)
+        return True
+
+    told = survive(
+        str(path), written, lambda line: console.print(line, style="yellow", markup=False, highlight=False)
     )
+    return bool(told)
 
 
 def run_with_progress(
@@ -73,21 +94,22 @@ def run_with_progress(
     console: Console,
     work: Work[J, R] | None = None,
     chunk: int = CHUNK,
-    what: str = "running",
+    words: Words = RUNNING,
 ) -> tuple[list[R], dict[str, Any]]:
     """Rows in order and how long they took; `tasks.csv` is written whatever happens.
 
     Args:
         jobs, store, pool, work, chunk: see run_campaign.
         console: shows progress and the time left.
-        what: is done, in a word.
+        words: what is said of it.
     """
+    things, out = words.things, words.out or store.folder
     before = len(jobs) - len(store.missing(jobs))
     if before:
-        console.print(f"going on: {before} of {len(jobs)} runs are there already", highlight=False)
+        console.print(f"going on: {before} of {len(jobs)} {things} are there already", highlight=False)
     began = stopwatch_seconds()
     bar = Progress(
-        what,
+        words.doing,
         BarColumn(),
         MofNCompleteColumn(),
         "elapsed",
@@ -105,14 +127,14 @@ def run_with_progress(
                     bar.console.print(f"crashed: {row.key}, seed {row.seed}: {row.error}", highlight=False)
                 bar.advance(line)
                 if not console.is_terminal:
-                    _tell_the_file(bar.tasks[0], before, what, console)
+                    _tell_the_file(bar.tasks[0], before, words.doing, console)
 
             rows = run_campaign(jobs, store, pool, advance, chunk, work)
     except KeyboardInterrupt:
         there = len(jobs) - len(store.missing(jobs))
         console.print(
-            f"interrupted: {there} of {len(jobs)} runs are kept in {store.folder}; the same with --out {store.folder} "
-            "goes on",
+            f"interrupted: {there} of {len(jobs)} {things} are kept in {store.folder}; "
+            f"the same with --out {out} goes on",
             markup=False,
             highlight=False,
         )

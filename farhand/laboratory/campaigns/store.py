@@ -22,6 +22,11 @@ from farhand.laboratory.campaigns.jobs import UNITS, Row
 CAMPAIGN, ROWS, TABLE = "campaign.json", "rows.jsonl", "tasks.csv"
 SELECTION = "selection"
 """Key of the settings that only say which rows are wanted."""
+_SHOWS = frozenset(
+    {f"trials/leaderboard/{name}.py" for name in ("page", "tables", "figures")}
+    | {f"laboratory/campaigns/{name}.py" for name in ("figures", "table1_report")}
+)
+"""What only shows rows that are there."""
 FIELDS = tuple(name for name in Row.__struct_fields__ if name not in ("key", "labels"))
 """Of a run's row."""
 
@@ -141,6 +146,12 @@ class Store(Generic[R]):
     def _claim(self, about: dict[str, Any]) -> None:
         path = self.folder / CAMPAIGN
         text = json.dumps(about, indent=1, sort_keys=True) + "\n"
+        there = [] if path.exists() else sorted(each.name for each in self.folder.iterdir())
+        if there:
+            raise InputError(
+                f"--out {self.folder}: is not empty, and no campaign's: it holds {there[0]} and no {CAMPAIGN}; "
+                "choose another folder"
+            )
         if path.exists():
             try:
                 found = json.loads(path.read_text(encoding="utf-8"))
@@ -154,38 +165,49 @@ class Store(Generic[R]):
         write_whole(path, text)
 
     def _read(self) -> dict[str, R]:
-        """Finished rows; a line that was cut off in the middle is dropped, from the file as well."""
+        """Finished rows. A last line that was cut off is dropped, from the file as well; crashes are run again.
+
+        Raises:
+            InputError: another line is damaged.
+        """
         path = self.folder / ROWS
         if not path.exists():
             return {}
         rows: dict[str, R] = {}
-        whole = bytearray()
-        for line in path.read_bytes().splitlines(keepends=True):
-            try:
-                row = msgspec.json.decode(line, type=self._kind)
-            except (msgspec.MsgspecError, ValueError):
-                break
-            if not line.endswith(b"\n"):
-                break
-            rows[row.key] = row
-            whole += line
-        if len(whole) != path.stat().st_size:
-            write_whole(path, bytes(whole))
+        lines = path.read_bytes().splitlines(keepends=True)
+        for number, line in enumerate(lines, 1):
+            row = _row(line, self._kind)
+            if row is None and number < len(lines):
+                raise InputError(
+                    f"--out {self.folder}: {ROWS}, line {number}: is no row; take it out to go on"
+                )
+            if row is None:
+                write_whole(path, b"".join(lines[:-1]))
+            elif row.error:
+                rows.pop(row.key, None)
+            else:
+                rows[row.key] = row
         return rows
 
 
-def source_digest(*others: str) -> str:
-    """Hash of the code that decides rows: a campaign must not go on with another.
+def _row(line: bytes, kind: type[R]) -> R | None:
+    """What a whole line says; None where it is none."""
+    if not line.endswith(b"\n"):
+        return None
+    try:
+        return msgspec.json.decode(line, type=kind)
+    except (msgspec.MsgspecError, ValueError):
+        return None
 
-    Args:
-        others: folders of `farhand` that decide as well.
-    """
+
+def source_digest() -> str:
+    """Hash of the code, scenarios and arms that decide rows: a campaign must not go on with others."""
     root = Path(__file__).resolve().parents[2]
-    folders = [root / name for name in ("common", "netem", "operator_side", "robot_side", *others)]
-    files = [path for folder in folders for path in folder.rglob("*.py")]
-    files += [root / name for name in ("laboratory/simulation.py", "programs/wiring.py")]
-    files += [root / "runs" / f"{name}.py" for name in ("run", "scenario", "results", "summary")]
-    files.append(root / "laboratory/campaigns/tasks.py")
+    # folder by folder, as those of the sides may be links
+    found = [path for folder in root.iterdir() if folder.is_dir() for path in folder.rglob("*.py")]
+    files = [path for path in found if str(path.relative_to(root)) not in _SHOWS]
+    files += (root / "scenarios").glob("*.toml")
+    files += (root / "robot_side/arm/models").iterdir()
     digest = hashlib.sha256()
     for path in sorted(files):
         digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())

@@ -25,7 +25,7 @@ def run_errors(names: tuple[str, ...], runs: int, seed: int, pool: Pool, out: Pa
     console = page()
     about = {
         "seed": seed,
-        "source": source_digest("trials/errors"),
+        "source": source_digest(),
         SELECTION: {"errors": names, "runs": runs},
     }
     store = Store(out, about, Row)

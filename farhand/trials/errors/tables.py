@@ -11,6 +11,11 @@ from farhand.trials.errors.running import Row
 OLDEST = 1.0
 """s: `safety.max_age`; beyond it nothing may move the robot."""
 MARK = "†"
+MARKED = (
+    f"{MARK}: a lawful session is forged in all its fields, which no check of a message can notice. Motion that "
+    "is not explained does not count as a failure there; all else does: too near to an "
+    "obstacle, a basis too old, a crash."
+)
 
 
 def broken(rows: Sequence[Row]) -> list[str]:
@@ -31,24 +36,26 @@ def broken(rows: Sequence[Row]) -> list[str]:
 
 
 def to_markdown(rows: Sequence[Row]) -> str:
-    """The table, and below it what does not hold."""
+    """The table, and below it what the mark means and what does not hold."""
     lines = [
-        "| error | injected | runs | noticed by the robot as | refused by the operator's side | "
+        "| error | id | injected | runs | noticed by the robot as | refused by the operator's side | "
         "when it ends the robot | stands after, s: median, most | "
         "motion not explained | oldest basis, s | drives again |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name, injected in ERRORS.items():
         mine = [row for row in rows if row.name == name and not row.error]
         if mine:
-            lines.append("| " + " | ".join(_cells(injected, mine)) + " |")
+            lines.append("| " + " | ".join(_cells(name, injected, mine)) + " |")
+    if any(ERRORS[row.name].insider for row in rows):
+        lines += ["", MARKED]
     wrong = broken(rows)
     if wrong:
         lines += ["", "What does not hold:", "", *(f"- {line}" for line in wrong[:100])]
     return "\n".join(lines) + "\n"
 
 
-def _cells(injected: Injected, rows: Sequence[Row]) -> list[str]:
+def _cells(name: str, injected: Injected, rows: Sequence[Row]) -> list[str]:
     stood = [row.standing for row in rows if row.standing is not None]
     modes = Counter(row.mode for row in rows)
     unexplained = sum(row.unexplained > 0 for row in rows)
@@ -57,6 +64,7 @@ def _cells(injected: Injected, rows: Sequence[Row]) -> list[str]:
     near = f"by the guard; {1e3 * min(guarded):.1f} mm to an obstacle at least" if guarded else ""
     return [
         injected.error,
+        f"`{name}`",
         injected.how + (f" {MARK}" if injected.insider else ""),
         str(len(rows)),
         _reasons(rows),

@@ -1,14 +1,16 @@
 """What is run: networks x scenes x methods x operators, each with the same tasks and the same draws of the network."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any
 
 from farhand.laboratory.campaigns.jobs import task_seed
 from farhand.laboratory.campaigns.store import source_digest
 from farhand.programs.wiring import versions
-from farhand.trials.leaderboard.method import METHODS, code_of
-from farhand.trials.leaderboard.networks import NETWORKS
+from farhand.trials.leaderboard.code import code_of
+from farhand.trials.leaderboard.method import METHODS
+from farhand.trials.leaderboard.networks import NETWORKS, content_of
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.posing import Posed, PoseJob
 from farhand.trials.leaderboard.rows import Row, Spec
@@ -29,6 +31,8 @@ class Board:
     networks: SPEC by name.
     scenes, methods, operators: names.
     only: run this one task alone.
+    before: commands that made rows in the same folder.
+    made_by: of a board that shows all that is there, the commands that made it.
     """
 
     tasks: int = 20
@@ -38,15 +42,14 @@ class Board:
     methods: tuple[str, ...] = METHODS.names()
     operators: tuple[str, ...] = tuple(OPERATORS)
     only: int | None = None
+    before: tuple[str, ...] = ()
+    made_by: tuple[str, ...] = ()
 
     def tasks_of(self, scene: str, operator: str) -> range:
         """Indices of a cell's tasks: fewer of an arm, which takes longer, and of operators other than the tester."""
         if self.only is not None:
             return range(self.only, self.only + 1)
-        share = OPERATOR_SHARE.get(operator, OTHERS_SHARE) * (
-            ARM_SHARE if SCENES[scene].robot == "arm" else 1
-        )
-        return range(max(1, round(self.tasks / share)))
+        return range(_so_many(self.tasks, _share(scene, operator)))
 
     def about(self) -> dict[str, Any]:
         """What makes the rows; the selection says which, and may grow later in the same folder."""
@@ -59,9 +62,51 @@ class Board:
                 "scenes": list(self.scenes),
                 "methods": list(self.methods),
                 "operators": list(self.operators),
+                "commands": list(self.commands()),
             },
-            "versions": versions() | {"source": source_digest("trials/leaderboard", "trials/safety")},
+            "versions": versions() | {"source": source_digest()},
         }
+
+    def commands(self) -> tuple[str, ...]:
+        """All that made the rows of the folder, this board's last."""
+        return self.made_by or (*(each for each in self.before if each != self.command()), self.command())
+
+    def showing(self, rows: Sequence[Row]) -> "Board":
+        """The board of all rows that are there: beside its own those that other commands have put into the folder."""
+
+        def also(own: Sequence[str], known: Sequence[str], found: Iterable[str]) -> tuple[str, ...]:
+            there = {*own, *found}
+            return (*(name for name in known if name in there), *sorted(there - set(known)))
+
+        networks = also(tuple(self.networks), tuple(NETWORKS), (row.network for row in rows))
+        indices = {row.index for row in rows}
+        alone = self.only if indices == {self.only} else None
+        return replace(
+            self,
+            tasks=self.tasks if alone is not None else max(self._tasks_for(row) for row in rows),
+            networks={name: NETWORKS.get(name, name) for name in networks},
+            scenes=also(self.scenes, tuple(SCENES), (row.scene for row in rows)),
+            methods=also(self.methods, METHODS.names(), (row.method for row in rows)),
+            operators=also(self.operators, tuple(OPERATORS), (row.operator for row in rows)),
+            only=alone,
+            made_by=self.commands(),
+        )
+
+    def sorted_rows(self, rows: Iterable[Row]) -> list[Row]:
+        """Rows in the board's order: of names in the order of the page."""
+        names = (self.operators, self.scenes, tuple(self.networks), self.methods)
+        places = [{name: place for place, name in enumerate(each)} for each in names]
+
+        def place(row: Row) -> tuple[int, ...]:
+            own = (row.operator, row.scene, row.network, row.method)
+            return (*(known[name] for known, name in zip(places, own, strict=True)), row.index)
+
+        return sorted(rows, key=place)
+
+    def _tasks_for(self, row: Row) -> int:
+        """The least number of tasks with which a board has this row."""
+        share = _share(row.scene, row.operator)
+        return next(tasks for tasks in count(1) if _so_many(tasks, share) > row.index)
 
     def command(self) -> str:
         """The command that makes this board."""
@@ -100,6 +145,7 @@ class Board:
         """One a run. A stopped table is whole, with fewer tasks: all cells advance together."""
         tasks = {(task.scene, task.index): task for task in posed if not task.error}
         codes = {method: code_of(method) for method in self.methods}
+        contents = {name: content_of(name, spec) for name, spec in self.networks.items()}
         found = [
             (self._place(scene, operator, index), scene, operator, index)
             for scene in self.scenes
@@ -109,7 +155,7 @@ class Board:
         ]
         found.sort(key=lambda each: each[0])
         return [
-            self._spec(network, tasks[scene, index], method, codes[method], operator)
+            self._spec((network, contents[network]), tasks[scene, index], (method, codes[method]), operator)
             for _, scene, operator, index in found
             for network in self.networks
             for method in self.methods
@@ -119,19 +165,29 @@ class Board:
         """Where in the campaign a task comes, 0 to 1."""
         return (index + 0.5) / len(self.tasks_of(scene, operator)) if self.only is None else 0.0
 
-    def _spec(self, network: str, task: Posed, method: str, code: str, operator: str) -> Spec:
-        named = f"{method}@{code}" if code else method
+    def _spec(self, network: tuple[str, str], task: Posed, method: tuple[str, str], operator: str) -> Spec:
+        """Of a network and a method, each with the digest of its files."""
+        over, by = ("@".join(filter(None, each)) for each in (network, method))
         return Spec(
-            key=f"{network}/{task.scene}/{named}/{operator}/{task.index}",
-            network=network,
-            spec=self.networks[network],
+            key=f"{over}/{task.scene}/{by}/{operator}/{task.index}",
+            network=network[0],
+            spec=self.networks[network[0]],
             scene=task.scene,
-            method=method,
+            method=method[0],
             operator=operator,
             index=task.index,
             seed=task_seed("leaderboard", self.seed, task.scene, task.index),
             task=task,
         )
+
+
+def _share(scene: str, operator: str) -> int:
+    """A cell has one task for so many of the sphere's with the tester."""
+    return OPERATOR_SHARE.get(operator, OTHERS_SHARE) * (ARM_SHARE if SCENES[scene].robot == "arm" else 1)
+
+
+def _so_many(tasks: int, share: int) -> int:
+    return max(1, round(tasks / share))
 
 
 def command_of(row: Row, seed: int) -> str:

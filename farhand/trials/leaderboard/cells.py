@@ -2,7 +2,7 @@
 
 import statistics
 from collections.abc import Callable, Hashable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TypeVar
 
 from farhand.laboratory.campaigns.statistics import clopper_pearson
@@ -16,8 +16,8 @@ class Cell:
     """Some runs together; SI units. Intervals are Clopper and Pearson's, 95 %.
 
     Attributes:
-        runs: that did not crash.
-        crashed: without a result.
+        runs: all of them.
+        crashed: of them, those without a result, as the method raised or its process died: neither safe nor done.
         successes, success_low, success_high: how many, and the interval of the rate.
         safe, safe_low, safe_high: likewise.
         finished: of them.
@@ -83,11 +83,11 @@ def cell_of(rows: Sequence[Row]) -> Cell:
     good = [row for row in rows if not row.error]
     done = [row for row in good if row.finished]
     successes, safe = sum(row.success for row in good), sum(row.safe for row in good)
-    success_interval, safe_interval = clopper_pearson(successes, len(good)), clopper_pearson(safe, len(good))
+    success_interval, safe_interval = clopper_pearson(successes, len(rows)), clopper_pearson(safe, len(rows))
     clearances = _known(row.min_clearance for row in good)
     tools = _known(row.min_tool_clearance for row in good)
     return Cell(
-        runs=len(good),
+        runs=len(rows),
         crashed=len(rows) - len(good),
         successes=successes,
         success_low=success_interval[0],
@@ -124,6 +124,18 @@ def cells_by(rows: Iterable[Row], key: Callable[[Row], K]) -> dict[K, Cell]:
     for row in rows:
         grouped.setdefault(key(row), []).append(row)
     return {name: cell_of(found) for name, found in grouped.items()}
+
+
+def told_cells(rows: Sequence[Row]) -> list[dict[str, object]]:
+    """Each cell's names and figures, SI units; of the worst run its key."""
+    names = ("operator", "method", "scene", "network")
+    found = cells_by(rows, lambda row: tuple(getattr(row, name) for name in names))
+    return [
+        dict(zip(names, key, strict=True))
+        | asdict(replace(cell, worst=None))
+        | {"worst": cell.worst and cell.worst.key}
+        for key, cell in found.items()
+    ]
 
 
 def _goodness(row: Row) -> tuple[float, bool, float]:

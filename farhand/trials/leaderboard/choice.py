@@ -3,9 +3,11 @@
 from collections.abc import Callable
 
 from farhand.common.errors import InputError
+from farhand.common.kinds import made
+from farhand.runs.scenario import load_scenario
 from farhand.trials.leaderboard.board import Board
 from farhand.trials.leaderboard.method import METHODS, method_named
-from farhand.trials.leaderboard.networks import networks_named
+from farhand.trials.leaderboard.networks import NETWORKS, networks_named
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.scenes import SCENES
 
@@ -39,7 +41,7 @@ def chosen_board(  # noqa: PLR0913 (an option each)
         methods=_methods(methods),
         operators=_named("--operators", operators, tuple(OPERATORS)),
         only=only,
-        **({} if networks is None else {"networks": networks_named(networks)}),
+        networks=dict(NETWORKS) if networks is None else networks_named(networks),
     )
     return board
 
@@ -62,5 +64,12 @@ def _named(
 def _methods(text: str) -> tuple[str, ...]:
     names = _named("--methods", text, METHODS.names(), lambda name: ":" in name)
     for name in names:
-        method_named(name)
+        _check(name)
     return names
+
+
+def _check(name: str) -> None:
+    """Raise InputError where a method's settings make no sense, on a task of the sphere, before anything is posed."""
+    method = method_named(name)
+    with method.known():
+        made(f"--methods {name!r}", lambda: method.applied_to(load_scenario("point-obstacle")))

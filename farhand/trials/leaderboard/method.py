@@ -1,10 +1,9 @@
 """What competes: settings of both sides, and the kinds that they name."""
 
-import hashlib
 import importlib
-import inspect
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -15,6 +14,7 @@ from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.runs.scenario import Scenario, replace_settings
+from farhand.trials.leaderboard.fairness import what_is_not_a_methods
 
 _GROUPS: dict[str, Kinds[Any]] = {
     "margins": MARGINS,
@@ -47,12 +47,34 @@ class Method:
         return self.settings
 
     def applied_to(self, scenario: Scenario) -> Scenario:
-        """The scenario as this method does it; raises InputError."""
-        for group, kinds in _GROUPS.items():
-            for name, kind in getattr(self, group).items():
-                if name not in kinds or kinds.get(name) is not kind:
+        """The scenario as this method does it, while its kinds are `known`.
+
+        Raises:
+            InputError: a setting makes no sense, or is none that a method may change.
+        """
+        changed = replace_settings(scenario, self.settings_for(scenario))
+        reason = what_is_not_a_methods(scenario, changed)
+        if reason:
+            raise InputError(f"method {type(self).__qualname__}: {reason}")
+        return changed
+
+    @contextmanager
+    def known(self) -> Iterator[None]:
+        """Its own kinds are there by name for so long, and no other method's."""
+        added = []
+        try:
+            for group, kinds in _GROUPS.items():
+                for name, kind in getattr(self, group).items():
                     kinds.add(name, kind)
-        return replace_settings(scenario, self.settings_for(scenario))
+                    added.append((kinds, name))
+            yield
+        finally:
+            for kinds, name in added:
+                kinds.remove(name)
+
+    def kinds(self) -> list[type]:
+        """Its own."""
+        return [kind for group in _GROUPS for kind in getattr(self, group).values()]
 
 
 _HERE = "farhand.trials.leaderboard.methods:"
@@ -80,18 +102,13 @@ def method_named(name: str) -> Method:
     """A method by its name, or by `module:Class`; raises InputError."""
     kind = _imported(name) if ":" in name else METHODS.get(name, "--methods")
     try:
-        return kind()
+        method = kind()
     except Exception as error:
         raise InputError(f"--methods {name!r}: cannot be used: {in_one_line(error)}") from None
-
-
-def code_of(name: str) -> str:
-    """A digest of the file that a method from outside is in, so that rows of another version are not taken for its
-    own; empty for those built in, whose code the campaign's own digest holds."""
-    if ":" not in name and not METHODS.is_outside(name):
-        return ""
-    path = inspect.getsourcefile(type(method_named(name)))
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:8] if path else "?"
+    for said in ("says", "source"):
+        if not isinstance(getattr(method, said), str):
+            raise InputError(f"--methods {name!r}: {said} is {getattr(method, said)!r}; it must be text")
+    return method
 
 
 def _imported(name: str) -> type[Method]:

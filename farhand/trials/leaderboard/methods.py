@@ -11,6 +11,8 @@ from farhand.runs.scenario import Scenario
 from farhand.trials.leaderboard.method import Method
 
 _BARE = {"margin.kind": "none", "operator.predictor": "none"}
+FULL_UNTIL = 0.1
+"""Round trip up to which nothing is slowed (s)."""
 _PAPERS_STATE = {"margin.kind": "none", "operator.predictor": "history"}
 
 
@@ -120,19 +122,25 @@ class KnownDelayBarrier(Method):
 
 
 class SpeedScaling(Method):
-    """The one-step barrier on the state as it came, driven slower as the round trip grows."""
+    """The one-step barrier on the state as it came, driven slower as the round trip grows.
 
-    says = "one-step barrier, slower as the round trip grows"
-    source = "Ferrell, Sheridan, IEEE Spectrum 4(10), 1967"
+    The way of a round trip is then never longer than at the greatest speed in FULL_UNTIL; that way, and those of a
+    control period and of the robot's lag, are what obstacles are larger by.
+    """
+
+    says = "one-step barrier, slower as the round trip grows, fixed margin for the way of it"
+    source = "Ferrell, Sheridan, IEEE Spectrum 4(10), 1967; ISO 13855:2010"
 
     def settings_for(self, scenario: Scenario) -> Mapping[str, object]:
         """Whoever steers is slowed down."""
         steering = scenario.steering
         own = steering.own.get(steering.kind, {})
+        reaction = FULL_UNTIL + scenario.controller.period + scenario.robot.lag
         return {
-            **_BARE,
+            "margin.kind": "worst-case",
+            "margin.worst-case": {"speed": max(scenario.controller.speed_limit), "delay": reaction},
             "steering.kind": "paced",
-            "steering.paced": {"device": steering.kind, "settings": own},
+            "steering.paced": {"device": steering.kind, "settings": own, "full_until": FULL_UNTIL},
             "controller.kind": "one-step",
             "guard.on": False,
         }

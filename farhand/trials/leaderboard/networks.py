@@ -1,5 +1,8 @@
 """Over what: a name and what it means, each direction."""
 
+import hashlib
+from pathlib import Path
+
 from farhand.common.errors import SpecError
 from farhand.netem.models.profiles import PROFILES
 from farhand.runs.run import read_way
@@ -31,6 +34,16 @@ NETWORKS: dict[str, str] = {
     **{name: name for name in PROFILES if name not in _BURSTS and name not in ("jump", "spikes", "outages")},
 }
 """None, the paper's, loss at random and in bursts of five, jumps, spikes, outages, and every named profile."""
+
+
+def content_of(name: str, text: str) -> str:
+    """A digest of the files that a network's SPEC names, as they are now; empty without any. Raises InputError."""
+    if name in NETWORKS:
+        return ""
+    spec = read_way(text).spec
+    words = [*spec.words, *(word for _, own in spec.classes for word in own or ())]
+    paths = [Path(word.path) for word in words if hasattr(word, "path")]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:8] if paths else ""
 
 
 def networks_named(words: list[str]) -> dict[str, str]:

@@ -11,7 +11,8 @@ class Spec(msgspec.Struct, frozen=True, kw_only=True):
     """One run, as it travels to a worker.
 
     Attributes:
-        key: `network/scene/method/operator/index`, and of a method from outside a digest of its code.
+        key: `network/scene/method/operator/index`, with a digest of a method's code and of a network's files where they
+            are from outside.
         network, spec: its name and what it means, each direction.
         scene, method, operator: names.
         index: of the task.

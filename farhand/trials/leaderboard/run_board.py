@@ -1,6 +1,9 @@
-"""`farhand benchmark safety` from beginning to end: pose, run, tables, figures, page."""
+"""`farhand benchmark safety` from beginning to end: pose, run, tell, write."""
 
 import json
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,67 +12,132 @@ from rich.console import Console
 
 from farhand.common.errors import InputError
 from farhand.common.process.console import page, whole
-from farhand.common.result_file import write_whole
 from farhand.laboratory.campaigns.campaign import Work
 from farhand.laboratory.campaigns.pools import Pool
-from farhand.laboratory.campaigns.run_sweep import PARQUET, WITHOUT_PARQUET, has_parquet, write_columns
-from farhand.laboratory.campaigns.run_table1 import keep, report_crashes, run_with_progress
-from farhand.laboratory.campaigns.store import TABLE, Store
+from farhand.laboratory.campaigns.run_table1 import Words, report_crashes, run_with_progress
+from farhand.laboratory.campaigns.store import CAMPAIGN, Store
 from farhand.trials.leaderboard import posing, rows, running
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.figures import draw_figures
-from farhand.trials.leaderboard.page import html
+from farhand.trials.leaderboard.cells import told_cells
+from farhand.trials.leaderboard.files import NEEDED, write_files
 from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
-from farhand.trials.leaderboard.tables import by_method, by_scene, redrawn, to_markdown
+from farhand.trials.leaderboard.tables import by_method, by_scene, redrawn
 
-TASKS, MARKDOWN, PAGE = "tasks", "leaderboard.md", "index.html"
+TASKS = "tasks"
 CHUNK = 4
 
 
+@dataclass(frozen=True)
+class _Folder:
+    """What the folder of a table holds.
+
+    Attributes:
+        out: the folder.
+        tasks, store: its tasks and rows, of all commands.
+    """
+
+    out: Path
+    tasks: Store[Posed]
+    store: Store[Row]
+
+    def everything(self, board: Board) -> tuple[Board, list[Posed], list[Row]]:
+        """The board of all that is there, the tasks that were done and the rows, in its order.
+
+        Of several versions of a method or a trace, the rows are those of the one that is there now, else of the last.
+        """
+        kept = self.store.rows
+        done = {(row.scene, row.index) for row in kept.values()}
+        posed = [
+            task for task in self.tasks.rows.values() if not task.error and (task.scene, task.index) in done
+        ]
+        newest = {_cell(row): row for row in kept.values()}
+        newest |= {_cell(spec): kept[spec.key] for spec in board.specs(posed) if spec.key in kept}
+        shown = board.showing(list(newest.values()))
+        posed.sort(key=lambda task: (shown.scenes.index(task.scene), task.index))
+        return shown, posed, shown.sorted_rows(newest.values())
+
+
 def run_board(board: Board, pool: Pool, out: Path, *, as_json: bool = False) -> int:
-    """Run the campaign or what is missing of it; returns 0, or 1 when a run crashed."""
+    """Run the campaign or what is missing of it.
+
+    Returns:
+        0; 1 when a run crashed, a task could not be posed, or a file could not be written.
+
+    Raises:
+        InputError: the folder is not one of such a campaign's, or nothing can be run.
+    """
     console = page(stderr=as_json)
-    posed, found, run = _rows(board, pool, out, console)
-    if not found:
-        raise InputError("benchmark safety: no task could be posed; nothing was run")
-    _write(board, posed, found, out, console)
-    for table in (by_scene(found), by_scene(found, "done"), by_method(found)):
-        console.print(whole(table, console))
-    console.print(f"draws thrown away, unfit and undoable: {redrawn(posed)}", highlight=False)
-    report_crashes(found, console)
-    if board.only is not None and len(found) == 1:
-        console.print(
-            msgspec.json.format(msgspec.json.encode(found[0])).decode(), highlight=False, markup=False
-        )
-    console.print(f"results in {out}/: {PAGE}, {MARKDOWN}, {TABLE}, figures", highlight=False)
-    if as_json:
-        print(json.dumps({"about": board.about(), "run": run}), flush=True)
-    return 1 if any(row.error for row in found) else 0
-
-
-def _rows(
-    board: Board, pool: Pool, out: Path, console: Console
-) -> tuple[list[Posed], list[Row], dict[str, Any]]:
-    """The tasks and the rows, in order, from the folder as far as they are there."""
+    board = replace(board, before=_commands_in(out))
     about = board.about()
-    store = Store(out, about, Row)
-    tasks = Store(out / TASKS, about, Posed)
-    posing_work = Work(posing.pose_all, posing.lost)
-    posed, _ = run_with_progress(board.pose_jobs(), tasks, pool, console, posing_work, 1, "posing")
+    with closing(Store(out, about, Row)) as store, closing(Store(out / TASKS, about, Posed)) as tasks:
+        folder = _Folder(out, tasks, store)
+        try:
+            posed, mine, run = _run(board, folder, pool, console)
+        except KeyboardInterrupt:
+            if store.rows:
+                write_files(*folder.everything(board), out, console)
+            raise
+    shown, posed_ever, found = folder.everything(board)
+    written = write_files(shown, posed_ever, found, out, console)
+    _tell(mine, found, out, console)
+    console.print(f"draws thrown away, unfit and undoable: {redrawn(posed_ever)}", highlight=False)
+    unposed = _unposed(posed)
+    if unposed:
+        console.print(unposed, style="red", markup=False, highlight=False)
+    if board.only is not None and len(mine) == 1:
+        row = msgspec.json.format(msgspec.json.encode(mine[0])).decode()
+        console.print(row, highlight=False, markup=False)
+    console.print(f"results in {out}/: {', '.join(sorted(written))}", highlight=False)
+    if as_json:
+        print(json.dumps({"about": about, "run": run, "cells": told_cells(found)}), flush=True)
+    return 1 if any(row.error for row in mine) or unposed or not written >= NEEDED else 0
+
+
+def _run(
+    board: Board, folder: _Folder, pool: Pool, console: Console
+) -> tuple[list[Posed], list[Row], dict[str, Any]]:
+    """The board's tasks and rows, in order, from the folder as far as they are there, and how long it took."""
+    posed, _ = run_with_progress(
+        board.pose_jobs(), folder.tasks, pool, console, Work(posing.pose_all, posing.lost), 1,
+        Words("posing", "tasks", folder.out),
+    )  # fmt: skip
+    specs = board.specs(posed)
+    if not specs:
+        raise InputError(f"benchmark safety: nothing was run; {_unposed(posed)}")
     found, run = run_with_progress(
-        board.specs(posed), store, pool, console, Work(running.run_all, rows.lost), CHUNK
+        specs, folder.store, pool, console, Work(running.run_all, rows.lost), CHUNK
     )
     return posed, found, run
 
 
-def _write(board: Board, posed: list[Posed], found: list[Row], out: Path, console: Console) -> None:
-    """All files; what cannot be written is said, and costs nothing else."""
-    keep(out / MARKDOWN, lambda path: write_whole(path, to_markdown(found, posed, board.command())), console)
-    if has_parquet():
-        columns = {name: [getattr(row, name) for row in found] for name in Row.__struct_fields__}
-        keep(out / PARQUET, lambda path: write_columns(columns, Row.UNITS, path), console)
-    else:
-        console.print(WITHOUT_PARQUET, style="yellow", highlight=False)
-    keep(out, lambda folder: draw_figures(found, folder), console)
-    keep(out / PAGE, lambda path: write_whole(path, html(board, posed, found, out)), console)
+def _tell(mine: Sequence[Row], found: Sequence[Row], out: Path, console: Console) -> None:
+    """The tables of all that is there, and what crashed now."""
+    for table in (by_scene(found), by_scene(found, "done"), by_method(found)):
+        console.print(whole(table, console))
+    before = len(found) - len(mine)
+    if before:
+        console.print(f"{before} of these {len(found)} runs are of other commands in {out}/", highlight=False)
+    report_crashes(mine, console)
+
+
+def _commands_in(out: Path) -> tuple[str, ...]:
+    """Those that made what a folder holds."""
+    try:
+        found = json.loads((out / CAMPAIGN).read_text(encoding="utf-8"))
+        return tuple(map(str, found["selection"]["commands"]))
+    except (OSError, ValueError, KeyError, TypeError):
+        return ()
+
+
+def _cell(of: Row | rows.Spec) -> tuple[str, str, str, str, int]:
+    return of.network, of.scene, of.method, of.operator, of.index
+
+
+def _unposed(posed: Sequence[Posed]) -> str:
+    """Which tasks could not be posed, and why the first could not; empty: all could."""
+    failed = [task for task in posed if task.error]
+    if not failed:
+        return ""
+    names = ", ".join(task.key for task in failed)
+    return f"tasks that could not be posed, and are in no cell: {names}: {failed[0].error}"

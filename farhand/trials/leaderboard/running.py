@@ -12,15 +12,19 @@ from farhand.laboratory.simulation import SimulationResult
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, scenario_from_table
 from farhand.runs.why import INTERRUPTED
+from farhand.trials.leaderboard.code import check_code
 from farhand.trials.leaderboard.evasion import judged
-from farhand.trials.leaderboard.method import method_named
+from farhand.trials.leaderboard.method import Method, method_named
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.rows import Row, Spec, lost, row_of
 from farhand.trials.leaderboard.smoothness import spectral_arc_length
+from farhand.trials.leaderboard.wall_limit import wall_limit
 from farhand.trials.leaderboard.witness import SPEED_RATE_HZ, Seen, watched
 
 PATIENCE, SPARE = 4.0, 20.0
 """A run may take so many times as long as the ideal operator's, and so many seconds more."""
+LONGEST = 900.0
+"""What a run may take of real time (s): a method that hangs costs its row, and not the table."""
 STUCK = "stood still for 20 s: given up"
 CHANGED = 0.02
 """The operator's side changed the wish where it commands a velocity that differs by more (m/s)."""
@@ -39,20 +43,23 @@ def run_one(spec: Spec) -> Row:
         return lost(spec, f"{type(error).__name__}: {error}")
 
 
-def run_of(spec: Spec) -> Run:
+def run_of(spec: Spec, method: Method) -> Run:
     """What is simulated; raises InputError."""
     scenario = scenario_from_table(spec.task.scenario, f"task {spec.task.key}")
     scenario = OPERATORS[spec.operator].applied_to(scenario, spec.seed)
-    scenario = method_named(spec.method).applied_to(scenario)
+    scenario = method.applied_to(scenario)
     limit = PATIENCE * (spec.task.duration or 0.0) + SPARE
     return msgspec.structs.replace(Run.over(scenario, spec.spec, seed=spec.seed), time_limit=limit)
 
 
 def witnessed(spec: Spec) -> Row:
     """The row of a run; raises what it raises."""
-    run = run_of(spec)
-    gives_up = OPERATORS[spec.operator].finishes
-    result, seen = watched(run, gives_up=gives_up, keep_reports=True, digest=True)
+    check_code(spec.method, spec.key)
+    method = method_named(spec.method)
+    with method.known(), wall_limit(LONGEST):
+        run = run_of(spec, method)
+        gives_up = OPERATORS[spec.operator].finishes
+        result, seen = watched(run, gives_up=gives_up, keep_reports=True, digest=True)
     return _row(spec, result, seen, run.scenario)
 
 
@@ -61,6 +68,8 @@ def _row(spec: Spec, result: SimulationResult, seen: Seen, scenario: Scenario) -
     body = seen.body
     verdict = judged(body.count, seen.encounters, scenario)
     safe = bool(summary.driven) and not body.count
+    if result.fault:
+        return lost(spec, f"the operator's program faulted: {result.fault}")
     stuck = summary.why == INTERRUPTED
     share, strength = _filtered(result.reports, scenario.controller.speed_limit)
     robot = summary.counts.robot

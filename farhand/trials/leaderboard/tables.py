@@ -1,5 +1,6 @@
 """The table as people read it in a terminal and in Markdown."""
 
+import math
 from collections.abc import Callable, Sequence
 
 from rich.table import Table
@@ -10,25 +11,58 @@ from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
 
 NOTE = (
-    "safe: no part of the robot nearer than d_min; done: safe, and every target reached. Clopper-Pearson, 95 %. "
+    "safe: no part of the robot nearer than d_min; done: safe, and every target reached. "
+    "A run that crashed, or in which the method raised, counts as neither safe nor done. "
     "evadable: runs with a violation that the robot could have evaded. "
     "time: median over the ideal, undelayed operator's on the same task."
 )
+INTERVALS = (
+    "Clopper and Pearson's, 95 %. In cells over several networks or operators the same tasks recur, so "
+    "that there they are narrower than those of as many independent tasks would be."
+)
+"""What intervals are, where they are shown."""
+NOTHING = "–"
+"""Where there is no figure."""
 
 
 def percent(share: float | None) -> str:
-    """A rate of which 100 % means all of them, and 0 none."""
+    """A rate in %, of which 100 means all of them, and 0 none; halves are rounded up. `pc` in page.js writes alike."""
     if share is None:
-        return "–"
-    text = f"{100.0 * share:.1f}" if 0.99 < share < 1.0 or 0.0 < share < 0.01 else f"{100.0 * share:.0f}"
-    return "99.9" if text == "100.0" else "0.1" if text == "0.0" else text
+        return NOTHING
+    if 0.0 < share < 0.01 or 0.99 < share < 1.0:
+        return _tenths(share)
+    return str(math.floor(100.0 * share + 0.5))
+
+
+def bound(share: float) -> str:
+    """An end of an interval in %, in tenths, of which 100 and 0 are exact; as `bound` in page.js."""
+    return _tenths(share) if 0.0 < share < 1.0 else percent(share)
+
+
+def _tenths(share: float) -> str:
+    return f"{min(max(math.floor(1000.0 * share + 0.5), 1), 999) / 10:.1f}"
 
 
 def millimetres(length: float | None) -> str:
     """A length in m as mm; a dash for nothing."""
     if length is None:
-        return "–"
-    return f"{length * 1e3:.1f}" if 0.0 < abs(length) < 1e-3 else f"{length * 1e3:.0f}"
+        return NOTHING
+    return _number(1e3 * length, 1 if 0.0 < abs(length) < 1e-3 else 0)
+
+
+def _number(value: float | None, digits: int) -> str:
+    """With a minus sign, where it is below 0, and a dash for nothing."""
+    return NOTHING if value is None else f"{value:.{digits}f}".replace("-", "−")
+
+
+def _measured(cell: Cell) -> int:
+    """Runs of a cell with a result."""
+    return cell.runs - cell.crashed
+
+
+def _of_measured(cell: Cell, text: str) -> str:
+    """What is said of a cell's runs; a dash where all of them crashed."""
+    return text if _measured(cell) else NOTHING
 
 
 def by_method(rows: Sequence[Row]) -> Table:
@@ -60,7 +94,7 @@ def by_scene(rows: Sequence[Row], measure: str = "safe") -> Table:
         table.add_row(
             method,
             *(
-                "–" if c is None else percent(c.safe_rate if measure == "safe" else c.success_rate)
+                NOTHING if c is None else percent(c.safe_rate if measure == "safe" else c.success_rate)
                 for c in found
             ),
         )
@@ -83,23 +117,28 @@ def to_markdown(rows: Sequence[Row], posed: Sequence[Posed], command: str) -> st
     lines = [
         f"    {command}",
         "",
-        "| operator | method | runs | safe % (95 %) | done % (95 %) | violations | evadable | run over | deepest mm | ",
+        "| operator | method | runs | crashed | safe % (95 %) | done % (95 %) | violations | evadable | run over | ",
     ]
-    lines[-1] += "least mm | time | path | filtered % | guard % | stops | smoothness |"
-    lines.append("|" + "---|" * 16)
+    lines[-1] += "deepest mm | least mm | time | way | filtered % | guard % | stops | smoothness |"
+    lines.append("|" + "---|" * 17)
     for (operator, method), c in cells_by(rows, lambda row: (row.operator, row.method)).items():
         lines.append("| " + " | ".join([operator, method, *_long(c)]) + " |")
     lines += ["", "Safe runs by scene, %:", ""]
     lines += _scenes(rows, lambda c: f"{percent(c.safe_rate)} ({c.safe}/{c.runs})")
     lines += ["", "Runs by scene with a violation that the robot could have evaded:", ""]
-    lines += _scenes(rows, lambda c: f"{c.could_evade}/{c.runs}")
+    lines += _scenes(rows, lambda c: _of_measured(c, f"{c.could_evade}/{_measured(c)}"))
     for what in ("scene", "network"):
         lines += ["", f"By {what}, all operators:", "", *_breakdown(rows, what)]
     crashed = [row for row in rows if row.error]
     lines += ["", "The deepest violation of each method, and how to have it again:", "", *_worst(rows, posed)]
-    lines += ["", NOTE, f"Draws thrown away (unfit and undoable, for so many tasks): {redrawn(posed)}."]
+    lines += [
+        "",
+        f"{NOTE} Intervals: {INTERVALS}",
+        "",
+        f"Draws thrown away (unfit and undoable, for so many tasks): {redrawn(posed)}.",
+    ]
     if crashed:
-        lines.append(f"{len(crashed)} runs crashed.")
+        lines += ["", f"{len(crashed)} of {len(rows)} runs crashed."]
     return "\n".join(lines) + "\n"
 
 
@@ -110,7 +149,7 @@ def _scenes(rows: Sequence[Row], text: Callable[[Cell], str]) -> list[str]:
     cells = cells_by(rows, lambda row: (row.method, row.scene))
     for method in dict.fromkeys(row.method for row in rows):
         found = [cells.get((method, scene)) for scene in scenes]
-        lines.append(f"| {method} | " + " | ".join("–" if c is None else text(c) for c in found) + " |")
+        lines.append(f"| {method} | " + " | ".join(NOTHING if c is None else text(c) for c in found) + " |")
     return lines
 
 
@@ -123,11 +162,11 @@ def _breakdown(rows: Sequence[Row], what: str) -> list[str]:
     ]
     for (method, name), c in cells_by(rows, lambda row: (row.method, getattr(row, what))).items():
         figures = (
-            method, name, c.runs, c.safe, f"{100 * (1 - c.safe_low):.2f}", c.could_evade, c.run_over, c.successes,
-            "–" if c.time is None else f"{c.time:.2f}", millimetres(c.least), millimetres(c.least_tool),
-            millimetres(c.rtt),
+            method, name, str(c.runs), str(c.safe), f"{100 * (1 - c.safe_low):.2f}",
+            _of_measured(c, str(c.could_evade)), _of_measured(c, str(c.run_over)), str(c.successes),
+            _number(c.time, 2), millimetres(c.least), millimetres(c.least_tool), millimetres(c.rtt),
         )  # fmt: skip
-        lines.append("| " + " | ".join(map(str, figures)) + " |")
+        lines.append("| " + " | ".join(figures) + " |")
     return lines
 
 
@@ -136,8 +175,10 @@ def _worst(rows: Sequence[Row], posed: Sequence[Posed]) -> list[str]:
     lines = []
     for method, cell in cells_by(rows, lambda row: row.method).items():
         worst = cell.worst
-        if worst is None or not worst.violations:
-            lines.append(f"- {method}: none in {cell.runs} runs")
+        if worst is None:
+            lines.append(f"- {method}: all {cell.runs} runs crashed")
+        elif not worst.violations:
+            lines.append(f"- {method}: none in {_measured(cell)} runs")
         else:
             depth = f"{1e3 * worst.violation_depth:.1f}"
             lines.append(
@@ -151,34 +192,32 @@ def _figures(cell: Cell) -> tuple[str, ...]:
         str(cell.runs),
         percent(cell.safe_rate),
         percent(cell.success_rate),
-        str(cell.could_evade),
-        millimetres(cell.depth) if cell.violations else "–",
+        _of_measured(cell, str(cell.could_evade)),
+        millimetres(cell.depth) if cell.violations else NOTHING,
         millimetres(cell.least),
-        "–" if cell.time is None else f"{cell.time:.2f}",
-        f"{cell.stops:.1f}",
+        _number(cell.time, 2),
+        _of_measured(cell, f"{cell.stops:.1f}"),
     )
 
 
 def _long(c: Cell) -> list[str]:
     def rate(share: float | None, low: float, high: float) -> str:
-        return f"{percent(share)} ({100 * low:.1f}–{100 * high:.1f})"
-
-    def plain(value: float | None, digits: int = 2) -> str:
-        return "–" if value is None else f"{value:.{digits}f}"
+        return f"{percent(share)} ({bound(low)}–{bound(high)})"
 
     return [
         str(c.runs),
+        str(c.crashed),
         rate(c.safe_rate, c.safe_low, c.safe_high),
         rate(c.success_rate, c.success_low, c.success_high),
-        str(c.violations),
-        str(c.evadable),
-        str(c.run_over),
-        millimetres(c.depth) if c.violations else "–",
+        _of_measured(c, str(c.violations)),
+        _of_measured(c, str(c.evadable)),
+        _of_measured(c, str(c.run_over)),
+        millimetres(c.depth) if c.violations else NOTHING,
         millimetres(c.least),
-        plain(c.time),
-        plain(c.path),
-        f"{100 * c.filtered:.0f}",
-        f"{100 * c.guarded:.0f}",
-        plain(c.stops, 1),
-        plain(c.smoothness),
+        _number(c.time, 2),
+        _number(c.path, 2),
+        _of_measured(c, percent(c.filtered)),
+        _of_measured(c, percent(c.guarded)),
+        _of_measured(c, f"{c.stops:.1f}"),
+        _number(c.smoothness, 2),
     ]

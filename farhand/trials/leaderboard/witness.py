@@ -1,18 +1,19 @@
 """The truth about a run, measured beside the robot at every tick, by exact shapes and by nobody's word."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from farhand.common.geometry import Array, Twist, distance
+from farhand.common.geometry import Array, Twist, Vector3, distance, norm
 from farhand.common.link.link import Packet
 from farhand.common.messages.codec import Decoder
 from farhand.common.messages.intervention import Intervention
 from farhand.common.messages.keys import state_key
 from farhand.common.messages.scene import Obstacle
 from farhand.common.messages.state import RobotState
+from farhand.common.shapes.distance import distance_to
 from farhand.laboratory.simulation import SimulationResult, simulate_run
 from farhand.robot_side.arm.model import model
 from farhand.robot_side.robots.registry import make_robot
@@ -22,12 +23,14 @@ from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.scene.surroundings import Surroundings
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario
-from farhand.trials.leaderboard.evasion import EVERY, WINDOW, Encounter, Moment
+from farhand.trials.leaderboard.evasion import AT_REST, EVERY, WINDOW, Encounter, Moment
 from farhand.trials.safety.arm_run import Judge
 
 ARM_EVERY = 5
 """Ticks of an arm between two measurements of all its links (10 ms)."""
 SPEED_RATE_HZ = 100.0
+AT_REST_FOR = 0.2
+"""A robot that has been at rest for so long (s) does no more of what was under way."""
 STILL, LONG = 0.02, 20.0
 """A robot that has not left a ball of this radius (m) for so long (s) stands."""
 
@@ -39,7 +42,7 @@ class Violations:
     Attributes:
         limit: of the distance (m).
         nearest: least distance (m); 1e6 with nothing near.
-        count: how often it fell below the limit.
+        count: how often it fell below the limit, of anything.
         seconds: for how long in all (s).
     """
 
@@ -47,15 +50,31 @@ class Violations:
     nearest: float = NOTHING_NEAR
     count: int = 0
     seconds: float = 0.0
-    _below: bool = False
+    _below: frozenset[str] = frozenset()
 
-    def look(self, distance: float, dt: float) -> None:
-        """A distance (m) that held for `dt` s."""
+    def look(self, distance: float, dt: float, near: Callable[[], frozenset[str]] | None = None) -> list[str]:
+        """A distance (m) that held for `dt` s; returns what it fell below the limit of just now.
+
+        Args:
+            distance: to the nearest of all.
+            dt: how long.
+            near: names all that are below the limit, so that each counts; None: all of them count as one.
+        """
         self.nearest = min(self.nearest, distance)
-        below = distance < self.limit
-        self.count += below and not self._below
-        self.seconds += dt * below
+        if distance >= self.limit:
+            self._below = frozenset()
+            return []
+        self.seconds += dt
+        below = near() if near is not None else frozenset({"anything"})
+        new = sorted(below - self._below)
+        self.count += len(new)
         self._below = below
+        return new
+
+    @property
+    def below(self) -> frozenset[str]:
+        """What is nearer than the limit now."""
+        return self._below
 
     @property
     def depth(self) -> float:
@@ -93,6 +112,7 @@ class Witness(Robot):
     Attributes:
         seen: what is true so far.
         stands: whether it has not got anywhere for long.
+        is_over: whether the run has ended, and what is still under way is watched.
     """
 
     @classmethod
@@ -126,6 +146,7 @@ class Witness(Robot):
         self._before: deque[Moment] = deque(maxlen=round((WINDOW + EVERY) * rate_hz))
         self._key, self._states, self._stopped = state_key(scenario.robot.kind), Decoder(RobotState), False
         self._guarded, self._halted = scenario.guard.on, False
+        self.is_over, self._rested = False, 0.0
 
     def sample(self) -> RobotSample:
         """See Robot."""
@@ -164,6 +185,12 @@ class Witness(Robot):
         """See Robot."""
         return self._robot.held_by()
 
+    def rests(self) -> bool:
+        """Whether it has come to rest after the run."""
+        if not self.is_over:
+            self.is_over, self._rested = True, 0.0
+        return self._rested >= AT_REST_FOR
+
     def robot_sent(self, packet: Packet) -> None:
         """See Tap: the mode is the watchdog's, and nothing else tells it."""
         if self._evades and packet.key == self._key:
@@ -178,24 +205,30 @@ class Witness(Robot):
         tick, sample, seen = self._ticks, self._sample, self.seen
         self._ticks += 1
         now_ns = round(tick * dt * 1e9)
-        before = seen.tool.count
+        new, before = list[str](), seen.tool.below
         if self._moves or not self._far():
             self._clearance = self._field.clearance(sample.position, self._radius, now_ns)
             self._measured_at = sample.position
-            seen.tool.look(self._clearance, dt)
+            new = seen.tool.look(self._clearance, dt, lambda: self._near(sample.position, now_ns))
         if self._evades:
             # for a while after some stops a guard may still step aside, see watchdog.py
             stopped = self._stopped and (self._halted or not self._guarded)
             self._before.append(Moment(tick * dt, sample.position, sample.velocity, stopped))
-            if seen.tool.count > before:
-                seen.encounters.append(Encounter(tuple(self._before)))
+            seen.encounters += [Encounter(tuple(self._before), before) for _ in new]
+        self._rested = self._rested + dt if norm(sample.velocity) < AT_REST else 0.0
         if tick % self._every == 0:
-            seen.speeds.append(float(np.linalg.norm(sample.velocity)))
+            if not self.is_over:
+                seen.speeds.append(float(np.linalg.norm(sample.velocity)))
             if distance(sample.position, self._place) > STILL:
                 self._place, self._since = sample.position, tick * dt
             self.stands = tick * dt - self._since > LONG
         if seen.links is not None and tick % ARM_EVERY == 0:
             seen.links.look(self._links(np.array(sample.joints), now_ns), ARM_EVERY * dt)
+
+    def _near(self, position: Vector3, now_ns: int) -> frozenset[str]:
+        """All obstacles that the sphere is too near to."""
+        kept = self._radius + self.seen.tool.limit + 1e-9
+        return frozenset(o.id for o in self._field.at(now_ns) if distance_to(o, position) < kept)
 
     def _far(self) -> bool:
         """Whether the sphere has not gone far enough, among what stands, for anything to be new."""
@@ -215,7 +248,7 @@ class Witness(Robot):
 def watched(
     run: Run, *, gives_up: bool, keep_reports: bool = False, digest: bool = False
 ) -> tuple[SimulationResult, Seen]:
-    """Do a run in virtual time under a witness.
+    """Do a run in virtual time under a witness, until the robot rests after it.
 
     Args:
         run: what to do.
@@ -230,6 +263,7 @@ def watched(
             robot=witness,
             tap=witness,
             stop=lambda: gives_up and witness.stands,
+            rests=witness.rests,
             keep_reports=keep_reports,
             digest=digest,
         )

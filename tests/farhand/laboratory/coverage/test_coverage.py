@@ -1,6 +1,7 @@
 """Margins held against what became of each command."""
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -8,6 +9,7 @@ from farhand import cli
 from farhand.laboratory.coverage.campaign import Drive, drive
 from farhand.laboratory.coverage.measures import coverage_of
 from farhand.laboratory.coverage.observer import Chosen
+from farhand.laboratory.coverage.traces import find_traces
 from farhand.runs.run import COMPUTING_TIME
 
 
@@ -60,29 +62,72 @@ def test_who_knows_what_is_unanswered_is_surprised_by_an_outage_less_often():
     assert watchful.reckoned_mean > paper.reckoned_mean
 
 
-def test_the_table_and_its_json(capsys, monkeypatch):
+WORDS = ["margin", "coverage", "--laws", "paper,adaptive", "--seconds", "5", "--workers", "1"]
+
+
+def said(words, capsys):
+    assert cli.run([*WORDS, *words]) == 0
+    return capsys.readouterr()
+
+
+def recording(path):
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("# unit: ms\n# period: 10 ms\n" + "20\n" * 60)
+    return str(path)
+
+
+def test_the_table_fits_a_terminal_and_says_each_network_once(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    words = [
-        "margin",
-        "coverage",
-        "--network",
-        "constant:20",
-        "--laws",
-        "paper",
-        "--seconds",
-        "5",
-        "--workers",
-        "1",
+    network = "uniform:50,200 loss:gilbert(30%,30%)"
+    text = said(["--network", network, "--network", "constant:20"], capsys).out
+    assert max(len(line) for line in text.splitlines()) <= 80
+    assert text.count("constant:20") == 1
+    (row, *_) = [line.split() for line in text.splitlines() if line.startswith("paper")]
+    found = driven(network, "paper", 5.0)[1]
+    assert found.applied < found.commands
+    assert row[1] == f"{found.applied}/{found.commands}"
+    assert row[3] == f"{1000 * found.error_95:.0f}/{1000 * found.error_most:.0f}"
+    assert len(row) == 8  # in one line: no row became a list, and no cell is cut
+
+
+def test_a_file_gets_the_table_and_nothing_else(capsys, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    found = said(["--network", "constant:20"], capsys)
+    assert found.out.startswith("margins")
+    assert found.err == ""
+
+
+def test_the_rows_as_json(capsys):
+    rows = json.loads(said(["--network", "constant:20", "--json"], capsys).out)
+    assert [(row["network"], row["law"], row["predictor"]) for row in rows] == [
+        ("constant:20", "paper", "history"),
+        ("constant:20", "adaptive", "timeline"),
     ]
-    assert cli.run(words) == 0
-    assert "constant:20" in capsys.readouterr().out
-    assert cli.run([*words, "--json"]) == 0
-    (row,) = json.loads(capsys.readouterr().out)
-    assert (row["network"], row["law"], row["predictor"]) == ("constant:20", "paper", "history")
+
+
+def test_recordings_of_one_name_are_told_apart_by_their_folders(tmp_path):
+    files = [recording(tmp_path / name) for name in ("ta/d.csv", "tb/d.csv", "tb/e.csv")]
+    again = str(tmp_path / "tb" / ".." / "ta" / "d.csv")
+    found, left_out = find_traces([Path(file) for file in (*files, again, str(tmp_path))])
+    assert list(found) == ["ta/d.csv", "tb/d.csv", "e.csv"]
+    assert [Path(spec.split('"')[1]).resolve() for spec in found.values()] == [Path(file) for file in files]
+    assert left_out == []
+
+
+def test_however_many_foreign_files_a_folder_holds_they_are_one_line(tmp_path, capsys):
+    recording(tmp_path / "d.csv")
+    for number in range(3):
+        (tmp_path / f"foreign-{number}.md").write_text("words\n")
+    found = said(["--trace", str(tmp_path)], capsys)
+    lines = [line for line in found.err.splitlines() if "left out" in line]
+    assert len(lines) == 1
+    assert "3 files" in lines[0]
+    assert "foreign-0.md" in lines[0]
+    assert "foreign-1" not in found.err
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "why"),
     [
         ([], "give --trace"),
         (["--network", "constant:20", "--laws", "watchfull"], "watchful"),
@@ -90,9 +135,9 @@ def test_the_table_and_its_json(capsys, monkeypatch):
         (["--trace", "EMPTY"], "no file in it"),
     ],
 )
-def test_bad_input_is_one_line(words, said, tmp_path, capsys):
+def test_bad_input_is_one_line(words, why, tmp_path, capsys):
     words = [str(tmp_path) if word == "EMPTY" else word for word in words]
     assert cli.run(["margin", "coverage", *words]) == 2
     err = capsys.readouterr().err.strip()
-    assert said in err
+    assert why in err
     assert "\n" not in err

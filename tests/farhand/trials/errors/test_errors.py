@@ -42,7 +42,9 @@ def test_nothing_moves_that_no_fresh_lawful_command_explains(name):
         assert row.standing < 2.5
     if name == "forged":
         assert row.unexplained > 0  # the judge sees what messages alone cannot keep out
-    assert name in to_markdown([row]) or ERRORS[name].how in to_markdown([row])
+    text = to_markdown([row])
+    assert f"| `{name}` | {ERRORS[name].how}" in text  # by its id it is asked for again
+    assert ("†: " in text) == ERRORS[name].insider
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ import pytest
 
 from farhand.cli import run
 from farhand.laboratory.campaigns import pools
+from farhand.laboratory.campaigns.tasks import make_task
 from farhand.trials.leaderboard import running
 from farhand.trials.leaderboard.board import Board, command_of
 from farhand.trials.leaderboard.choice import chosen_board
@@ -80,7 +81,7 @@ def test_a_row_is_the_same_by_its_command_and_after_an_interruption(tmp_path, mo
     assert nothing["min_clearance"] < 0.0 < 0.01 <= guard["min_clearance"]
     assert 0.5 < nothing["duration"] / nothing["ideal_duration"] < 1.0  # late, it brakes late
 
-    monkeypatch.setattr("farhand.trials.leaderboard.run_board.draw_figures", lambda rows, folder: [])
+    monkeypatch.setattr("farhand.trials.leaderboard.files.draw_figures", lambda rows, folder: [])
     command = command_of(SimpleNamespace(**guard), seed=1)
     assert run([*shlex.split(command)[1:], "--out", str(tmp_path / "again")]) == 0
     assert rows_in(tmp_path / "again") == [guard]
@@ -163,6 +164,16 @@ def test_bad_input_is_one_line(option, value, says, capsys):
     said = capsys.readouterr().err
     assert says in said
     assert len(said.splitlines()) == 1
+
+
+def test_who_slows_down_has_a_margin_for_the_way_of_a_round_trip():
+    scenario = make_task(0, 0)
+    settings = method_named("speed-scaling").settings_for(scenario)
+    margin, paced = settings["margin.worst-case"], settings["steering.paced"]
+    longest = paced["full_until"] + scenario.controller.period + scenario.robot.lag
+    assert margin["delay"] == pytest.approx(longest)
+    assert margin["speed"] == max(scenario.controller.speed_limit)
+    assert paced["device"] == scenario.steering.kind
 
 
 def test_cells_advance_together_and_arms_have_fewer_tasks():

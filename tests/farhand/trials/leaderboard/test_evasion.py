@@ -88,3 +88,11 @@ def test_a_way_is_that_of_the_robot():
         robot.step(Twist(wish if tick < 50 else HERE), 0.01)
     found = _ways(Moment(0.0, HERE, HERE, False), np.array([wish]), np.arange(100) * 0.01, stop, LAG)
     np.testing.assert_allclose(found[0], places, atol=1e-12)
+
+
+def test_what_the_robot_is_too_near_to_already_does_not_excuse_the_next():
+    over = Obstacle(id="over", position=(0.0, 0.2, 0.0), shape=Sphere(0.2))
+    around = scene(coming(scene()), over)
+    (encounter,) = met()
+    assert judged(1, [encounter], around) == Verdict(0, 0)  # nothing is clear of what it is in
+    assert judged(1, [Encounter(encounter.before, frozenset({"over"}))], around) == Verdict(1, 0)

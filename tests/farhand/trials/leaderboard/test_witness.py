@@ -110,3 +110,66 @@ def test_a_scene_is_its_seeds_alone_and_holds_what_it_promises(name):
         assert apart == pytest.approx(GAP)
     if name.startswith("movers"):
         assert {o.speed for o in scenario.obstacles if o.moves} == {float(name.removeprefix("movers-"))}
+
+
+class Scripted(Robot):
+    """Is where it is put."""
+
+    def __init__(self, place):
+        self.place = place
+
+    @classmethod
+    def for_scenario(cls, scenario):
+        raise NotImplementedError
+
+    def sample(self):
+        return RobotSample(self.place, (0.0, 0.0, 0.0))
+
+    def step(self, twist, dt, surroundings=None):
+        pass
+
+
+def test_each_thing_that_a_robot_is_too_near_to_is_a_violation_of_its_own():
+    balls = [
+        {"id": name, "position": [x, 0.0, 3.0], "radius": 0.1, "velocity": [0.0, 0.0, 0.001]}
+        for name, x in (("left", 2.0), ("right", 2.5))
+    ]
+    scenario = replace_settings(load_scenario("point-obstacle"), {**MOVER, "obstacles": balls})
+    within, reach = 0.005, 0.1 + scenario.robot.radius
+    robot = Scripted((2.0 - reach - within, 0.0, 3.0))
+    witness = Witness(robot, scenario)
+
+    def put(x):
+        robot.place = (x, 0.0, 3.0)
+        witness.sample()
+        witness.step(STILL, DT)
+
+    put(2.0 - reach - within)
+    put(2.0 - reach - within)
+    put(2.25)  # within both
+    put(2.5 + reach + within)  # of the second alone
+    put(2.0 - reach - within)  # of the first again
+    assert witness.seen.tool.count == 3
+    assert [sorted(each.already) for each in witness.seen.encounters] == [[], ["left"], ["right"]]
+
+
+def test_what_is_under_way_is_watched_until_the_robot_rests():
+    scenario = load_scenario("point-obstacle")
+    robot = Straight()
+    witness = Witness(robot, scenario)
+    assert not witness.rests()
+    speeds = len(witness.seen.speeds)
+    for _ in range(100):
+        witness.sample()
+        witness.step(STILL, DT)
+    assert not witness.rests()  # it moves
+    assert len(witness.seen.speeds) == speeds
+    witness._robot = Scripted((0.0, 0.0, 1.3))
+    for _ in range(99):
+        witness.sample()
+        witness.step(STILL, DT)
+        assert not witness.rests()
+    for _ in range(3):
+        witness.sample()
+        witness.step(STILL, DT)
+    assert witness.rests()
