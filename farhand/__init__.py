@@ -87,8 +87,8 @@ if TYPE_CHECKING:
     from farhand.runs.scenario import replace_setting as replace_setting
     from farhand.runs.scenario import replace_settings as replace_settings
     from farhand.runs.summary import RunSummary as RunSummary
-    from farhand.trials.leaderboard.method import METHODS as METHODS
-    from farhand.trials.leaderboard.method import Method as Method
+    from farhand.trials.leaderboard.methods.method import METHODS as METHODS
+    from farhand.trials.leaderboard.methods.method import Method as Method
 
 _HOME = {
     "FarhandError": "common.errors",
@@ -162,8 +162,8 @@ _HOME = {
     "load_scenario": "runs.scenario",
     "replace_setting": "runs.scenario",
     "RunSummary": "runs.summary",
-    "Method": "trials.leaderboard.method",
-    "METHODS": "trials.leaderboard.method",
+    "Method": "trials.leaderboard.methods.method",
+    "METHODS": "trials.leaderboard.methods.method",
     "CONTROLLERS": "operator_side.control.registry",
     "DEVICES": "operator_side.steering.registry",
     "MARGINS": "operator_side.margins.registry",

@@ -23,7 +23,7 @@ CAMPAIGN, ROWS, TABLE = "campaign.json", "rows.jsonl", "tasks.csv"
 SELECTION = "selection"
 """Key of the settings that only say which rows are wanted."""
 _SHOWS = frozenset(
-    {f"trials/leaderboard/{name}.py" for name in ("page", "tables", "figures")}
+    {f"trials/leaderboard/telling/{name}.py" for name in ("page", "tables", "figures", "files")}
     | {f"laboratory/campaigns/{name}.py" for name in ("figures", "table1_report")}
 )
 """What only shows rows that are there."""

@@ -8,13 +8,13 @@ from typing import Any
 from farhand.laboratory.campaigns.jobs import task_seed
 from farhand.laboratory.campaigns.store import source_digest
 from farhand.programs.wiring import versions
-from farhand.trials.leaderboard.code import code_of
-from farhand.trials.leaderboard.method import METHODS
+from farhand.trials.leaderboard.methods.code import code_of
+from farhand.trials.leaderboard.methods.method import METHODS
 from farhand.trials.leaderboard.networks import NETWORKS, content_of
 from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.posing import Posed, PoseJob
 from farhand.trials.leaderboard.rows import Row, Spec
-from farhand.trials.leaderboard.scenes import SCENES
+from farhand.trials.leaderboard.tasks.posing import Posed, PoseJob
+from farhand.trials.leaderboard.tasks.scenes import SCENES
 
 ARM_SHARE = 5
 """An arm's cell has one task for so many of a sphere's."""

@@ -6,10 +6,10 @@ from farhand.common.errors import InputError
 from farhand.common.kinds import made
 from farhand.runs.scenario import load_scenario
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.method import METHODS, method_named
+from farhand.trials.leaderboard.methods.method import METHODS, method_named
 from farhand.trials.leaderboard.networks import NETWORKS, networks_named
 from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.scenes import SCENES
+from farhand.trials.leaderboard.tasks.scenes import SCENES
 
 TASKS = 20
 QUICK_TASKS = 2

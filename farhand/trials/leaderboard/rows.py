@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import msgspec
 
-from farhand.trials.leaderboard.posing import Posed
+from farhand.trials.leaderboard.tasks.posing import Posed
 
 
 class Spec(msgspec.Struct, frozen=True, kw_only=True):

@@ -16,13 +16,14 @@ from farhand.laboratory.campaigns.campaign import Work
 from farhand.laboratory.campaigns.pools import Pool
 from farhand.laboratory.campaigns.run_table1 import Words, report_crashes, run_with_progress
 from farhand.laboratory.campaigns.store import CAMPAIGN, Store
-from farhand.trials.leaderboard import posing, rows, running
+from farhand.trials.leaderboard import rows, running
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.cells import told_cells
-from farhand.trials.leaderboard.files import NEEDED, write_files
-from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
-from farhand.trials.leaderboard.tables import by_method, by_scene, redrawn
+from farhand.trials.leaderboard.tasks import posing
+from farhand.trials.leaderboard.tasks.posing import Posed
+from farhand.trials.leaderboard.telling.cells import told_cells
+from farhand.trials.leaderboard.telling.files import NEEDED, write_files
+from farhand.trials.leaderboard.telling.tables import by_method, by_scene, redrawn
 
 TASKS = "tasks"
 CHUNK = 4

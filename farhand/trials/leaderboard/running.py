@@ -12,14 +12,14 @@ from farhand.laboratory.simulation import SimulationResult
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, scenario_from_table
 from farhand.runs.why import INTERRUPTED
-from farhand.trials.leaderboard.code import check_code
-from farhand.trials.leaderboard.evasion import judged
-from farhand.trials.leaderboard.method import Method, method_named
+from farhand.trials.leaderboard.judge.evasion import judged
+from farhand.trials.leaderboard.judge.smoothness import spectral_arc_length
+from farhand.trials.leaderboard.judge.witness import SPEED_RATE_HZ, Seen, watched
+from farhand.trials.leaderboard.methods.code import check_code
+from farhand.trials.leaderboard.methods.method import Method, method_named
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.rows import Row, Spec, lost, row_of
-from farhand.trials.leaderboard.smoothness import spectral_arc_length
 from farhand.trials.leaderboard.wall_limit import wall_limit
-from farhand.trials.leaderboard.witness import SPEED_RATE_HZ, Seen, watched
 
 PATIENCE, SPARE = 4.0, 20.0
 """A run may take so many times as long as the ideal operator's, and so many seconds more."""

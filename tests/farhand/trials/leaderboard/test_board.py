@@ -18,10 +18,10 @@ from farhand.laboratory.campaigns.tasks import make_task
 from farhand.trials.leaderboard import running
 from farhand.trials.leaderboard.board import Board, command_of
 from farhand.trials.leaderboard.choice import chosen_board
-from farhand.trials.leaderboard.method import METHODS, method_named
+from farhand.trials.leaderboard.methods.method import METHODS, method_named
 from farhand.trials.leaderboard.networks import NETWORKS
 from farhand.trials.leaderboard.run_board import run_board
-from farhand.trials.leaderboard.tables import percent
+from farhand.trials.leaderboard.telling.tables import percent
 from tests.installed import ROOT
 
 PAGE = (ROOT / "docs" / "leaderboard.md").read_text(encoding="utf-8")
@@ -81,7 +81,7 @@ def test_a_row_is_the_same_by_its_command_and_after_an_interruption(tmp_path, mo
     assert nothing["min_clearance"] < 0.0 < 0.01 <= guard["min_clearance"]
     assert 0.5 < nothing["duration"] / nothing["ideal_duration"] < 1.0  # late, it brakes late
 
-    monkeypatch.setattr("farhand.trials.leaderboard.files.draw_figures", lambda rows, folder: [])
+    monkeypatch.setattr("farhand.trials.leaderboard.telling.files.draw_figures", lambda rows, folder: [])
     command = command_of(SimpleNamespace(**guard), seed=1)
     assert run([*shlex.split(command)[1:], "--out", str(tmp_path / "again")]) == 0
     assert rows_in(tmp_path / "again") == [guard]
@@ -132,7 +132,7 @@ def test_a_method_of_ones_own_appears_in_the_same_table(tmp_path, monkeypatch):
 
 def test_a_package_brings_a_method(monkeypatch):
     point = importlib.metadata.EntryPoint(
-        "theirs", "farhand.trials.leaderboard.methods:Nothing", "farhand.methods"
+        "theirs", "farhand.trials.leaderboard.methods.built_in:Nothing", "farhand.methods"
     )
     monkeypatch.setattr(
         "importlib.metadata.entry_points", lambda group: [point] if group == "farhand.methods" else []

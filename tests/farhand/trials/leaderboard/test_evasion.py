@@ -12,8 +12,8 @@ from farhand.common.shapes.obstacle import Obstacle
 from farhand.common.shapes.sphere import Sphere
 from farhand.robot_side.robots.point import PointRobot
 from farhand.runs.scenario import Scenario
-from farhand.trials.leaderboard.evasion import Encounter, Moment, Verdict, _ways, judged
-from farhand.trials.leaderboard.scenes import _flight
+from farhand.trials.leaderboard.judge.evasion import Encounter, Moment, Verdict, _ways, judged
+from farhand.trials.leaderboard.tasks.scenes import _flight
 
 LAG, BEGAN = 0.1, 2.0
 HERE = (0.0, 0.0, 0.0)

@@ -11,12 +11,12 @@ from farhand.operator_side.margins.registry import MARGINS
 from farhand.runs.scenario import scenario_to_table
 from farhand.trials.leaderboard import running
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.cells import cell_of
-from farhand.trials.leaderboard.code import code_of
+from farhand.trials.leaderboard.methods.code import code_of
 from farhand.trials.leaderboard.networks import NETWORKS, content_of
 from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import row_of
+from farhand.trials.leaderboard.tasks.posing import Posed
+from farhand.trials.leaderboard.telling.cells import cell_of
 
 TASK = make_task(0, 0)
 

@@ -8,9 +8,9 @@ import subprocess
 import pytest
 
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.page import HERE, LONGEST, html
 from farhand.trials.leaderboard.rows import Row
-from farhand.trials.leaderboard.tables import bound, percent
+from farhand.trials.leaderboard.telling.page import HERE, LONGEST, html
+from farhand.trials.leaderboard.telling.tables import bound, percent
 from tests.operator_side.console.browser import CHROMIUM, DRIVER, Browser
 
 SHARES = {

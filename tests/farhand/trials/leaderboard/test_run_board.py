@@ -9,12 +9,13 @@ import pytest
 from farhand.common.errors import InputError
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.runs.scenario import scenario_to_table
-from farhand.trials.leaderboard import posing, running
+from farhand.trials.leaderboard import running
 from farhand.trials.leaderboard.board import command_of
 from farhand.trials.leaderboard.choice import chosen_board
-from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row, lost, row_of
 from farhand.trials.leaderboard.run_board import run_board
+from farhand.trials.leaderboard.tasks import posing
+from farhand.trials.leaderboard.tasks.posing import Posed
 from tests.farhand.trials.leaderboard.test_board import HerePool, rows_in
 
 TASK = scenario_to_table(make_task(0, 0))
@@ -40,7 +41,7 @@ def ran(spec):
 def quick(monkeypatch):
     monkeypatch.setattr(posing, "pose", posed)
     monkeypatch.setattr(running, "run_one", ran)
-    monkeypatch.setattr("farhand.trials.leaderboard.files.draw_figures", lambda rows, folder: [])
+    monkeypatch.setattr("farhand.trials.leaderboard.telling.files.draw_figures", lambda rows, folder: [])
     monkeypatch.setattr("farhand.trials.leaderboard.run_board.CHUNK", 1)
 
 

@@ -2,9 +2,9 @@
 
 from matplotlib.text import Text
 
-from farhand.trials.leaderboard.figures import Box, draw_figures
 from farhand.trials.leaderboard.rows import Row
-from farhand.trials.leaderboard.tables import by_method, millimetres, to_markdown
+from farhand.trials.leaderboard.telling.figures import Box, draw_figures
+from farhand.trials.leaderboard.telling.tables import by_method, millimetres, to_markdown
 
 
 def row(method, index, **more):
@@ -59,7 +59,7 @@ def test_labels_of_points_in_one_place_do_not_lie_on_each_other(tmp_path, monkey
         figure.draw_without_rendering()
         placed.append([Box(*Text.get_window_extent(text).extents) for text in figure.axes[0].texts])
 
-    monkeypatch.setattr("farhand.trials.leaderboard.figures.save", seen)
+    monkeypatch.setattr("farhand.trials.leaderboard.telling.figures.save", seen)
     rows = [row(f"method-{number}", 0, **GOOD, **TIMES) for number in range(10)]
     draw_figures(rows, tmp_path)
     boxes = placed[0]

@@ -12,9 +12,9 @@ from farhand.common.messages.keys import state_key
 from farhand.robot_side.robots.robot import Robot, RobotSample
 from farhand.runs.scenario import load_scenario, replace_settings
 from farhand.testing import messages
-from farhand.trials.leaderboard.scenes import GAP, SCENES
-from farhand.trials.leaderboard.smoothness import spectral_arc_length
-from farhand.trials.leaderboard.witness import Witness
+from farhand.trials.leaderboard.judge.smoothness import spectral_arc_length
+from farhand.trials.leaderboard.judge.witness import Witness
+from farhand.trials.leaderboard.tasks.scenes import GAP, SCENES
 
 DT = 0.002
 MOVER = {

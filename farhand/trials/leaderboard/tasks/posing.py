@@ -10,9 +10,9 @@ from farhand.common.seeds import stream
 from farhand.laboratory.simulation import SimulationResult
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings, scenario_to_table
-from farhand.trials.leaderboard.method import method_named
-from farhand.trials.leaderboard.scenes import SCENES
-from farhand.trials.leaderboard.witness import Seen, watched
+from farhand.trials.leaderboard.judge.witness import Seen, watched
+from farhand.trials.leaderboard.methods.method import method_named
+from farhand.trials.leaderboard.tasks.scenes import SCENES
 
 MOST_DRAWS = 500
 IDEAL_LIMIT = 60.0

@@ -11,14 +11,14 @@ from typing import Any
 
 from farhand.common.errors import InputError
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.cells import Cell, cell_of
-from farhand.trials.leaderboard.method import method_named
+from farhand.trials.leaderboard.methods.method import method_named
 from farhand.trials.leaderboard.networks import NETWORKS
 from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
-from farhand.trials.leaderboard.scenes import SCENES
-from farhand.trials.leaderboard.tables import INTERVALS, redrawn
+from farhand.trials.leaderboard.tasks.posing import Posed
+from farhand.trials.leaderboard.tasks.scenes import SCENES
+from farhand.trials.leaderboard.telling.cells import Cell, cell_of
+from farhand.trials.leaderboard.telling.tables import INTERVALS, redrawn
 
 HERE = Path(__file__).parent
 ALL = "*"

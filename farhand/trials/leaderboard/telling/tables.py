@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from rich.table import Table
 
 from farhand.trials.leaderboard.board import command_of
-from farhand.trials.leaderboard.cells import Cell, cells_by
-from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.tasks.posing import Posed
+from farhand.trials.leaderboard.telling.cells import Cell, cells_by
 
 NOTE = (
     "safe: no part of the robot nearer than d_min; done: safe, and every target reached. "

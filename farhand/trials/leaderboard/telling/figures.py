@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from farhand.runs.figure import STYLE, save
-from farhand.trials.leaderboard.cells import Cell, cells_by
 from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.telling.cells import Cell, cells_by
 
 ACCENT, GREY = "#0063a8", "#7a8490"
 FARHANDS = ("ours", "guard", "both")

@@ -14,7 +14,7 @@ from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
 from farhand.operator_side.steering.registry import DEVICES
 from farhand.runs.scenario import Scenario, replace_settings
-from farhand.trials.leaderboard.fairness import what_is_not_a_methods
+from farhand.trials.leaderboard.methods.fairness import what_is_not_a_methods
 
 _GROUPS: dict[str, Kinds[Any]] = {
     "margins": MARGINS,
@@ -77,11 +77,11 @@ class Method:
         return [kind for group in _GROUPS for kind in getattr(self, group).values()]
 
 
-_HERE = "farhand.trials.leaderboard.methods:"
+_HERE = "farhand.trials.leaderboard.methods.built_in:"
 METHODS: Kinds[type[Method]] = Kinds(
     "method",
     "farhand.methods",
-    "farhand.trials.leaderboard.method:Method",
+    "farhand.trials.leaderboard.methods.method:Method",
     {
         "nothing": _HERE + "Nothing",
         "paper": _HERE + "Paper",

@@ -23,7 +23,7 @@ from farhand.robot_side.scene.obstacle_field import NOTHING_NEAR, ObstacleField
 from farhand.robot_side.scene.surroundings import Surroundings
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario
-from farhand.trials.leaderboard.evasion import AT_REST, EVERY, WINDOW, Encounter, Moment
+from farhand.trials.leaderboard.judge.evasion import AT_REST, EVERY, WINDOW, Encounter, Moment
 from farhand.trials.safety.arm_run import Judge
 
 ARM_EVERY = 5

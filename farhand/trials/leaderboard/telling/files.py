@@ -10,11 +10,11 @@ from farhand.laboratory.campaigns.run_sweep import PARQUET, WITHOUT_PARQUET, has
 from farhand.laboratory.campaigns.run_table1 import keep
 from farhand.laboratory.campaigns.store import TABLE, to_csv
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.figures import draw_figures
-from farhand.trials.leaderboard.page import html
-from farhand.trials.leaderboard.posing import Posed
 from farhand.trials.leaderboard.rows import Row
-from farhand.trials.leaderboard.tables import to_markdown
+from farhand.trials.leaderboard.tasks.posing import Posed
+from farhand.trials.leaderboard.telling.figures import draw_figures
+from farhand.trials.leaderboard.telling.page import html
+from farhand.trials.leaderboard.telling.tables import to_markdown
 
 MARKDOWN, PAGE, FIGURES = "leaderboard.md", "index.html", "figures"
 NEEDED = {MARKDOWN, PAGE, TABLE}

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from farhand.laboratory.campaigns.tasks import PAPERS_EFFORT
 from farhand.runs.scenario import Scenario
-from farhand.trials.leaderboard.method import Method
+from farhand.trials.leaderboard.methods.method import Method
 
 _BARE = {"margin.kind": "none", "operator.predictor": "none"}
 FULL_UNTIL = 0.1

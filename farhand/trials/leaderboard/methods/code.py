@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from farhand.common.errors import InputError
-from farhand.trials.leaderboard.method import METHODS, Method, method_named
+from farhand.trials.leaderboard.methods.method import METHODS, Method, method_named
 
 
 @lru_cache(maxsize=64)

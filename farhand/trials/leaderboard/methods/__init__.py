@@ -1,0 +1,1 @@
+"""What competes: what a method is, what it may change, those that come with Farhand."""
