@@ -10,7 +10,8 @@ import difflib
 import importlib
 import importlib.metadata
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Generic, TypeVar
 
 from farhand.common.errors import FarhandError, InputError, in_one_line
@@ -80,10 +81,26 @@ class Kinds(Generic[T]):
         self._loaded[name] = kind
         self._added.add(name)
 
-    def remove(self, name: str) -> None:
-        """Forget a kind that `add` took in."""
-        self._added.discard(name)
-        self._loaded.pop(name, None)
+    @contextmanager
+    def lent(self, name: str, kind: T) -> Iterator[None]:
+        """A kind is there by name for so long; what `add` took in by that name before is there again afterwards.
+
+        Raises:
+            InputError: see `add`.
+        """
+        if name in self and self._loaded.get(name) is kind:
+            yield
+            return
+        before = self._loaded.get(name) if name in self._added else None
+        self.add(name, kind)
+        try:
+            yield
+        finally:
+            if before is not None:
+                self._loaded[name] = before
+            else:
+                self._added.discard(name)
+                self._loaded.pop(name, None)
 
     def is_outside(self, name: str) -> bool:
         """Whether an installed package brings it, or nobody does."""

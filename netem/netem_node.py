@@ -128,6 +128,11 @@ class NetemNode:
             for session, offset_ns in tuple(trips.offsets_ns.items())
         }
 
+    @property
+    def uplink_queued(self) -> int:
+        """Messages on their way to robots."""
+        return len(self._both[0].queue)
+
     def tell_rest(self) -> None:
         """Tell the logs of what is still on its way, once nothing is stepped any more."""
         for direction in self._both:

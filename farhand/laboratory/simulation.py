@@ -92,7 +92,7 @@ class Options(TypedDict, total=False):
         digest: hash every message.
         stop: asked after every tick of the operator; the run ends, as interrupted, once it is true.
         rests: asked after the run, while the robot does what is still under way and the operator's program is gone,
-            until it is true or MOST_REST is over; nothing of that is in the result.
+            until it is true with nothing more on its way to it, or MOST_REST is over; nothing of that is in the result.
         controller, robot: in place of the scenario's; fresh, as they keep state; the caller closes the robot.
         listener: given the report of every tick of the operator.
         tap: given every packet that the robot sends, as it leaves, and every one that reaches the operator.
@@ -218,7 +218,7 @@ class _World:
         assert results.netem is not None
         return SimulationResult(
             summary,
-            self._robot.trajectory,
+            list(self._robot.trajectory),
             self._hasher.hexdigest(),
             results.netem,
             self._reports,
@@ -231,7 +231,11 @@ class _World:
         """What is under way still moves the robot, until `rests()`."""
         executor = self._executor
         executor.remove(self._operator)
-        executor.run_until(executor.clock.now_ns() + to_ns(MOST_REST), rests, Priority.ROBOT)
+        executor.run_until(
+            executor.clock.now_ns() + to_ns(MOST_REST),
+            lambda: rests() and not self.netem.uplink_queued,
+            Priority.ROBOT,
+        )
 
     def recording_trouble(self) -> str:
         """What the recording lacks, once it is closed."""

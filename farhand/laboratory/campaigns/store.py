@@ -20,6 +20,8 @@ from farhand.common.result_file import write_whole
 from farhand.laboratory.campaigns.jobs import UNITS, Row
 
 CAMPAIGN, ROWS, TABLE = "campaign.json", "rows.jsonl", "tasks.csv"
+_WRITTEN = (ROWS, TABLE, "tasks.parquet", "index.html", "leaderboard.md", "table1.json", "table1.md")
+"""Of campaigns."""
 SELECTION = "selection"
 """Key of the settings that only say which rows are wanted."""
 _SHOWS = frozenset(
@@ -72,6 +74,8 @@ class Store(Generic[R]):
         kind: of the rows, a msgspec Struct.
 
     Attributes:
+        rows: finished, by key.
+        crashed: those without a result that were there before, by key: they are missing, and run again.
         trouble: why finished rows are not on the disk, in words; empty: they are.
 
     Raises:
@@ -92,6 +96,7 @@ class Store(Generic[R]):
             make_folder(folder, "--out")
             hold_folder(folder, "--out")
             self._claim(about)
+            self.crashed: dict[str, R] = {}
             self.rows = self._read()
             self._stream = (folder / ROWS).open("a", encoding="utf-8")
         except OSError as error:
@@ -102,6 +107,7 @@ class Store(Generic[R]):
         if row.key in self.rows:
             return False
         self.rows[row.key] = row
+        self.crashed.pop(row.key, None)
         if self._stream is not None:
             try:
                 self._stream.write(msgspec.json.encode(row).decode() + "\n")
@@ -146,10 +152,10 @@ class Store(Generic[R]):
     def _claim(self, about: dict[str, Any]) -> None:
         path = self.folder / CAMPAIGN
         text = json.dumps(about, indent=1, sort_keys=True) + "\n"
-        there = [] if path.exists() else sorted(each.name for each in self.folder.iterdir())
+        there = [] if path.exists() else [name for name in _WRITTEN if (self.folder / name).exists()]
         if there:
             raise InputError(
-                f"--out {self.folder}: is not empty, and no campaign's: it holds {there[0]} and no {CAMPAIGN}; "
+                f"--out {self.folder}: holds {there[0]}, which would be written anew, and no {CAMPAIGN}; "
                 "choose another folder"
             )
         if path.exists():
@@ -183,10 +189,10 @@ class Store(Generic[R]):
                 )
             if row is None:
                 write_whole(path, b"".join(lines[:-1]))
-            elif row.error:
-                rows.pop(row.key, None)
             else:
-                rows[row.key] = row
+                (self.crashed if row.error else rows)[row.key] = row
+                if not row.error:
+                    self.crashed.pop(row.key, None)
         return rows
 
 

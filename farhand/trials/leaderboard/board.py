@@ -144,8 +144,7 @@ class Board:
     def specs(self, posed: Sequence[Posed]) -> list[Spec]:
         """One a run. A stopped table is whole, with fewer tasks: all cells advance together."""
         tasks = {(task.scene, task.index): task for task in posed if not task.error}
-        codes = {method: code_of(method) for method in self.methods}
-        contents = {name: content_of(name, spec) for name, spec in self.networks.items()}
+        over, by = self.versions()
         found = [
             (self._place(scene, operator, index), scene, operator, index)
             for scene in self.scenes
@@ -155,21 +154,25 @@ class Board:
         ]
         found.sort(key=lambda each: each[0])
         return [
-            self._spec((network, contents[network]), tasks[scene, index], (method, codes[method]), operator)
+            self._spec((network, over[network]), tasks[scene, index], (method, by[method]), operator)
             for _, scene, operator, index in found
             for network in self.networks
             for method in self.methods
         ]
+
+    def versions(self) -> tuple[dict[str, str], dict[str, str]]:
+        """What keys call its networks and methods: with the digest of their files, where they have any of their own."""
+        over = {name: _version(name, content_of(name, spec)) for name, spec in self.networks.items()}
+        return over, {method: _version(method, code_of(method)) for method in self.methods}
 
     def _place(self, scene: str, operator: str, index: int) -> float:
         """Where in the campaign a task comes, 0 to 1."""
         return (index + 0.5) / len(self.tasks_of(scene, operator)) if self.only is None else 0.0
 
     def _spec(self, network: tuple[str, str], task: Posed, method: tuple[str, str], operator: str) -> Spec:
-        """Of a network and a method, each with the digest of its files."""
-        over, by = ("@".join(filter(None, each)) for each in (network, method))
+        """Of a network and a method, each with its version."""
         return Spec(
-            key=f"{over}/{task.scene}/{by}/{operator}/{task.index}",
+            key=f"{network[1]}/{task.scene}/{method[1]}/{operator}/{task.index}",
             network=network[0],
             spec=self.networks[network[0]],
             scene=task.scene,
@@ -179,6 +182,16 @@ class Board:
             seed=task_seed("leaderboard", self.seed, task.scene, task.index),
             task=task,
         )
+
+
+def versions_in(key: str) -> tuple[str, str]:
+    """What a row's key calls its network and its method."""
+    over, _, by, _, _ = key.rsplit("/", 4)
+    return over, by
+
+
+def _version(name: str, digest: str) -> str:
+    return f"{name}@{digest}" if digest else name
 
 
 def _share(scene: str, operator: str) -> int:

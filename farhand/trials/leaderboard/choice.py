@@ -6,7 +6,7 @@ from farhand.common.errors import InputError
 from farhand.common.kinds import made
 from farhand.runs.scenario import load_scenario
 from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.methods.method import METHODS, method_named
+from farhand.trials.leaderboard.methods.method import METHODS, applied, method_named
 from farhand.trials.leaderboard.networks import NETWORKS, networks_named
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.tasks.scenes import SCENES
@@ -72,4 +72,4 @@ def _check(name: str) -> None:
     """Raise InputError where a method's settings make no sense, on a task of the sphere, before anything is posed."""
     method = method_named(name)
     with method.known():
-        made(f"--methods {name!r}", lambda: method.applied_to(load_scenario("point-obstacle")))
+        made(f"--methods {name!r}", lambda: applied(method, load_scenario("point-obstacle")))

@@ -1,9 +1,11 @@
 """Over what: a name and what it means, each direction."""
 
 import hashlib
+from functools import lru_cache
 from pathlib import Path
 
-from farhand.common.errors import SpecError
+from farhand.common.errors import InputError, SpecError
+from farhand.common.recording.place import recording_at
 from farhand.netem.models.profiles import PROFILES
 from farhand.runs.run import read_way
 
@@ -36,14 +38,30 @@ NETWORKS: dict[str, str] = {
 """None, the paper's, loss at random and in bursts of five, jumps, spikes, outages, and every named profile."""
 
 
+@lru_cache(maxsize=256)
 def content_of(name: str, text: str) -> str:
-    """A digest of the files that a network's SPEC names, as they are now; empty without any. Raises InputError."""
+    """A digest of the files that a network's SPEC names, as this process read them first; empty without any.
+
+    Raises:
+        InputError: one cannot be read.
+    """
     if name in NETWORKS:
         return ""
     spec = read_way(text).spec
     words = [*spec.words, *(word for _, own in spec.classes for word in own or ())]
-    paths = [Path(word.path) for word in words if hasattr(word, "path")]
-    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:8] if paths else ""
+    named = [Path(word.path) for word in words if hasattr(word, "path")]
+    try:
+        files = [(recording_at(path) if path.is_dir() else path).read_bytes() for path in named]
+    except OSError as error:
+        raise InputError(f"network {text}: {error.filename}: {error.strerror}") from None
+    return hashlib.sha256(b"".join(files)).hexdigest()[:8] if files else ""
+
+
+def check_content(name: str, text: str, key: str) -> None:
+    """Raise InputError where a network's files are not those that a row is keyed by."""
+    content = content_of(name, text)
+    if content and not key.startswith(f"{name}@{content}/"):
+        raise InputError(f"the files of {name} have changed since the table was begun; run the command again")
 
 
 def networks_named(words: list[str]) -> dict[str, str]:

@@ -17,7 +17,7 @@ from farhand.laboratory.campaigns.pools import Pool
 from farhand.laboratory.campaigns.run_table1 import Words, report_crashes, run_with_progress
 from farhand.laboratory.campaigns.store import CAMPAIGN, Store
 from farhand.trials.leaderboard import rows, running
-from farhand.trials.leaderboard.board import Board
+from farhand.trials.leaderboard.board import Board, versions_in
 from farhand.trials.leaderboard.rows import Row
 from farhand.trials.leaderboard.tasks import posing
 from farhand.trials.leaderboard.tasks.posing import Posed
@@ -47,16 +47,20 @@ class _Folder:
 
         Of several versions of a method or a trace, the rows are those of the one that is there now, else of the last.
         """
-        kept = self.store.rows
-        done = {(row.scene, row.index) for row in kept.values()}
+        there = [*self.store.crashed.values(), *self.store.rows.values()]
+        done = {(row.scene, row.index) for row in there}
         posed = [
             task for task in self.tasks.rows.values() if not task.error and (task.scene, task.index) in done
         ]
-        newest = {_cell(row): row for row in kept.values()}
-        newest |= {_cell(spec): kept[spec.key] for spec in board.specs(posed) if spec.key in kept}
-        shown = board.showing(list(newest.values()))
+        over, by = dict[str, str](), dict[str, str]()
+        for row in there:
+            over[row.network], by[row.method] = versions_in(row.key)
+        for known, now in zip((over, by), board.versions(), strict=True):
+            known |= now
+        found = [row for row in there if versions_in(row.key) == (over[row.network], by[row.method])]
+        shown = board.showing(found)
         posed.sort(key=lambda task: (shown.scenes.index(task.scene), task.index))
-        return shown, posed, shown.sorted_rows(newest.values())
+        return shown, posed, shown.sorted_rows(found)
 
 
 def run_board(board: Board, pool: Pool, out: Path, *, as_json: bool = False) -> int:
@@ -129,10 +133,6 @@ def _commands_in(out: Path) -> tuple[str, ...]:
         return tuple(map(str, found["selection"]["commands"]))
     except (OSError, ValueError, KeyError, TypeError):
         return ()
-
-
-def _cell(of: Row | rows.Spec) -> tuple[str, str, str, str, int]:
-    return of.network, of.scene, of.method, of.operator, of.index
 
 
 def _unposed(posed: Sequence[Posed]) -> str:

@@ -16,7 +16,8 @@ from farhand.trials.leaderboard.judge.evasion import judged
 from farhand.trials.leaderboard.judge.smoothness import spectral_arc_length
 from farhand.trials.leaderboard.judge.witness import SPEED_RATE_HZ, Seen, watched
 from farhand.trials.leaderboard.methods.code import check_code
-from farhand.trials.leaderboard.methods.method import Method, method_named
+from farhand.trials.leaderboard.methods.method import Method, applied, method_named
+from farhand.trials.leaderboard.networks import check_content
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.rows import Row, Spec, lost, row_of
 from farhand.trials.leaderboard.wall_limit import wall_limit
@@ -47,7 +48,7 @@ def run_of(spec: Spec, method: Method) -> Run:
     """What is simulated; raises InputError."""
     scenario = scenario_from_table(spec.task.scenario, f"task {spec.task.key}")
     scenario = OPERATORS[spec.operator].applied_to(scenario, spec.seed)
-    scenario = method.applied_to(scenario)
+    scenario = applied(method, scenario)
     limit = PATIENCE * (spec.task.duration or 0.0) + SPARE
     return msgspec.structs.replace(Run.over(scenario, spec.spec, seed=spec.seed), time_limit=limit)
 
@@ -55,6 +56,7 @@ def run_of(spec: Spec, method: Method) -> Run:
 def witnessed(spec: Spec) -> Row:
     """The row of a run; raises what it raises."""
     check_code(spec.method, spec.key)
+    check_content(spec.network, spec.spec, spec.key)
     method = method_named(spec.method)
     with method.known(), wall_limit(LONGEST):
         run = run_of(spec, method)

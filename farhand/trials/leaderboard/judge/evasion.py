@@ -64,7 +64,8 @@ class Encounter:
 
     Attributes:
         before: moments up to and with its beginning, the last of all.
-        already: what the robot was too near to when it began: another violation, and judged as such.
+        already: what the robot was too near to when it began: another violation, and judged as such. It is enough to
+            get no nearer to it.
     """
 
     before: tuple[Moment, ...]
@@ -109,14 +110,14 @@ def _could_evade(encounter: Encounter, scenario: Scenario) -> bool:
         if moment.t >= due and not moment.stopped:
             starts.append(moment)
             due = moment.t + EVERY - 0.5 * STEP
-    others = [obstacle for obstacle in scenario.obstacles if obstacle.id not in encounter.already]
-    return any(_way_from(moment, began + TAIL, stopped_at, scenario, others) for moment in starts)
+    already = encounter.already
+    return any(_way_from(moment, began + TAIL, stopped_at, scenario, already) for moment in starts)
 
 
 def _way_from(
-    moment: Moment, until: float, stopped_at: float, scenario: Scenario, obstacles: Sequence[Obstacle]
+    moment: Moment, until: float, stopped_at: float, scenario: Scenario, already: frozenset[str]
 ) -> bool:
-    """Whether some way from a moment on meets none of the obstacles until then (s)."""
+    """Whether some way from a moment on meets nothing until then (s)."""
     fastest = scenario.safety.max_speed
     wishes = np.vstack([np.zeros((1, 3)), *(share * fastest * _DIRECTIONS for share in SHARES)])
     count = math.ceil((until - moment.t) / STEP) + 1
@@ -124,8 +125,11 @@ def _way_from(
     stops = {min(stopped_at, moment.t + halt) for halt in HALTS}
     places = np.vstack([_ways(moment, wishes, times, stop, scenario.robot.lag) for stop in sorted(stops)])
     free = np.ones(len(places), bool)
-    for obstacle in obstacles:
-        free = _clear(places, times, obstacle, scenario.robot.radius + scenario.controller.d_min, free)
+    for obstacle in scenario.obstacles:
+        kept = scenario.robot.radius + scenario.controller.d_min
+        if obstacle.id in already:
+            kept = min(kept, distance_to(moved(obstacle, moment.t), moment.position) - 1e-6)
+        free = _clear(places, times, obstacle, kept, free)
         if not free.any():
             return False
     return True

@@ -1,5 +1,6 @@
 """Which version of a method from outside made a row."""
 
+import ast
 import hashlib
 import inspect
 import site
@@ -16,13 +17,13 @@ def code_of(name: str) -> str:
     """A digest of the code that a method from outside is made of, as this process read it first; so rows of another
     version are not taken for its own. Empty for those built in, whose code the campaign's own digest holds.
 
-    It is that of every Python file beside the method's and beside those of its kinds, or of their packages.
+    It is that of the files of its classes and of what they import from beside them, or of their packages whole.
     """
     if ":" not in name and not METHODS.is_outside(name):
         return ""
     digest = hashlib.sha256()
-    for path in sorted({path for folder in _places(method_named(name)) for path in folder}):
-        digest.update(str(path.name).encode() + b"\0" + path.read_bytes())
+    for path in sorted(_files_of(method_named(name))):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:8]
 
 
@@ -33,25 +34,32 @@ def check_code(name: str, key: str) -> None:
         raise InputError(f"the code of {name} has changed since the table was begun; run the command again")
 
 
-def _places(method: Method) -> list[list[Path]]:
-    """The files of each class that the method is made of."""
-    classes = [base for kind in (type(method), *method.kinds()) for base in inspect.getmro(kind)]
-    modules = {kind.__module__ for kind in classes if kind.__module__.split(".")[0] not in _THEIRS}
-    return [_files(module) for module in sorted(modules)]
+def _files_of(method: Method) -> set[Path]:
+    found: set[Path] = set()
+    for kind in (type(method), *method.kinds()):
+        for base in inspect.getmro(kind):
+            top = base.__module__.partition(".")[0]
+            modules = (sys.modules.get(top), sys.modules.get(base.__module__))
+            file = next(filter(None, (getattr(module, "__file__", None) for module in modules)), None)
+            if top != "farhand" and top not in sys.stdlib_module_names and file is not None:
+                _follow(Path(file), found)
+    return found
 
 
-def _files(module: str) -> list[Path]:
-    found = getattr(sys.modules.get(module), "__file__", None)
-    if found is None:
-        return []
-    path = Path(found)
-    package = sys.modules.get(module.split(".")[0])
-    if "." in module and package is not None and getattr(package, "__file__", None):
-        return sorted(Path(str(package.__file__)).parent.rglob("*.py"))
-    if str(path.parent) in site.getsitepackages():
-        return [path]
-    return sorted(path.parent.glob("*.py"))
-
-
-_THEIRS = {"farhand", "builtins", "abc", "typing", "msgspec"}
-"""Top packages whose classes are no part of a method."""
+def _follow(path: Path, found: set[Path]) -> None:
+    """Take in a module, and what lies beside it that it imports; of a package, all its files."""
+    if path in found:
+        return
+    if path.name == "__init__.py":
+        found.update(each for each in path.parent.rglob("*") if each.is_file() and each.suffix != ".pyc")
+        return
+    found.add(path)
+    if path.suffix != ".py" or str(path.parent) in (*site.getsitepackages(), site.getusersitepackages()):
+        return  # what else is installed is no part of it
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        names = [each.name for each in node.names] if isinstance(node, ast.Import) else []
+        names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
+        for top in {name.partition(".")[0] for name in names}:
+            for beside in (path.parent / f"{top}.py", path.parent / top / "__init__.py"):
+                if beside.is_file():
+                    _follow(beside, found)

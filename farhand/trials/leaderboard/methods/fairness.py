@@ -4,6 +4,7 @@ from typing import Any
 
 import msgspec
 
+from farhand.operator_side.pace import pace_of
 from farhand.runs.scenario import Scenario
 
 _FREE = {"controller", "margin", "guard"}
@@ -24,7 +25,7 @@ def what_is_not_a_methods(task: Scenario, changed: Scenario) -> str:
         before, after = getattr(task, name), getattr(changed, name)
         if before == after:
             continue
-        if name == "steering" and _is_wrapped(task, changed):
+        if name == "steering" and _is_paced(task, changed):
             continue
         if name == "operator":
             inner = _first_other(before, after, _OPERATORS)
@@ -37,20 +38,17 @@ def what_is_not_a_methods(task: Scenario, changed: Scenario) -> str:
             return _told(name, inner)
         if inner:
             return _told(name, inner)
-    if any(
-        new > old
-        for new, old in zip(changed.controller.speed_limit, task.controller.speed_limit, strict=True)
-    ):
-        return "controller.speed_limit is raised; it may only be lowered"
+    if pace_of(changed).tick != pace_of(task).tick:
+        return _told("controller", "period")
     return ""
 
 
-def _is_wrapped(task: Scenario, changed: Scenario) -> bool:
-    """Whether who steers is still there, as the device of another one (`paced`)."""
+def _is_paced(task: Scenario, changed: Scenario) -> bool:
+    """Whether who steers still does, slowed down as the round trip grows."""
     before, after = task.steering, changed.steering
-    own: dict[str, Any] = after.own.get(after.kind, {})
-    device = own.get("device")
-    return device == before.kind and own.get("settings", {}) == before.own.get(before.kind, {})
+    own: dict[str, Any] = after.own.get("paced", {})
+    same = own.get("settings", {}) == before.own.get(before.kind, {})
+    return after.kind == "paced" and own.get("device") == before.kind and same
 
 
 def _first_other(before: Any, after: Any, free: set[str]) -> str:
@@ -62,5 +60,5 @@ def _told(section: str, key: str) -> str:
     name = key if key == section or not key else f"{section}.{key}"
     return (
         f"{name} is the task's, and none of what a method may change: [controller] [margin] [guard], "
-        "operator.predictor, operator.resync_after"
+        "operator.predictor, operator.resync_after, and steering.kind to paced"
     )

@@ -3,8 +3,9 @@
 import importlib
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from threading import RLock
 from typing import Any, ClassVar
 
 from farhand.common.errors import InputError, in_one_line
@@ -12,7 +13,6 @@ from farhand.common.kinds import Kinds
 from farhand.operator_side.control.registry import CONTROLLERS
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.operator_side.prediction.registry import PREDICTORS
-from farhand.operator_side.steering.registry import DEVICES
 from farhand.runs.scenario import Scenario, replace_settings
 from farhand.trials.leaderboard.methods.fairness import what_is_not_a_methods
 
@@ -20,7 +20,6 @@ _GROUPS: dict[str, Kinds[Any]] = {
     "margins": MARGINS,
     "predictors": PREDICTORS,
     "controllers": CONTROLLERS,
-    "devices": DEVICES,
 }
 
 
@@ -31,7 +30,7 @@ class Method:
         says: what it is, in one line.
         source: of its equations.
         settings: of the scenario, e.g. {"margin.kind": "mine", "guard.on": False}.
-        margins, predictors, controllers, devices: kinds of its own by name, for `settings` to name.
+        margins, predictors, controllers: kinds of its own by name, for `settings` to name.
     """
 
     says: ClassVar[str] = ""
@@ -40,41 +39,46 @@ class Method:
     margins: ClassVar[Mapping[str, type]] = {}
     predictors: ClassVar[Mapping[str, type]] = {}
     controllers: ClassVar[Mapping[str, type]] = {}
-    devices: ClassVar[Mapping[str, type]] = {}
 
     def settings_for(self, scenario: Scenario) -> Mapping[str, object]:
         """The settings for one scenario: the task, its robot, and who steers are in it already."""
         return self.settings
 
-    def applied_to(self, scenario: Scenario) -> Scenario:
-        """The scenario as this method does it, while its kinds are `known`.
-
-        Raises:
-            InputError: a setting makes no sense, or is none that a method may change.
-        """
-        changed = replace_settings(scenario, self.settings_for(scenario))
-        reason = what_is_not_a_methods(scenario, changed)
-        if reason:
-            raise InputError(f"method {type(self).__qualname__}: {reason}")
-        return changed
-
     @contextmanager
     def known(self) -> Iterator[None]:
-        """Its own kinds are there by name for so long, and no other method's."""
-        added = []
-        try:
-            for group, kinds in _GROUPS.items():
-                for name, kind in getattr(self, group).items():
-                    kinds.add(name, kind)
-                    added.append((kinds, name))
+        """Its own kinds are there by name for so long, and those of no other method; one at a time in a process."""
+        brought = [(kinds, getattr(self, group)) for group, kinds in _GROUPS.items() if getattr(self, group)]
+        with ExitStack() as stack:
+            if brought:
+                stack.enter_context(_ONE_AT_A_TIME)
+            for kinds, own in brought:
+                for name, kind in own.items():
+                    stack.enter_context(kinds.lent(name, kind))
             yield
-        finally:
-            for kinds, name in added:
-                kinds.remove(name)
 
     def kinds(self) -> list[type]:
         """Its own."""
         return [kind for group in _GROUPS for kind in getattr(self, group).values()]
+
+
+_ONE_AT_A_TIME = RLock()
+
+
+def applied(method: Method, scenario: Scenario) -> Scenario:
+    """The scenario as a method does it, while its kinds are `known`, at the task's speed at most.
+
+    Raises:
+        InputError: a setting makes no sense, or is none that a method may change.
+    """
+    settings = dict(method.settings_for(scenario))
+    changed = replace_settings(scenario, settings)
+    reason = what_is_not_a_methods(scenario, changed)
+    if reason:
+        raise InputError(f"method {type(method).__qualname__}: {reason}")
+    limits = zip(scenario.controller.speed_limit, changed.controller.speed_limit, strict=True)
+    slower = [min(task, own) for task, own in limits]
+    turns = min(scenario.controller.angular_limit, changed.controller.angular_limit)
+    return replace_settings(changed, {"controller.speed_limit": slower, "controller.angular_limit": turns})
 
 
 _HERE = "farhand.trials.leaderboard.methods.built_in:"

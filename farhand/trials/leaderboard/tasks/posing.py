@@ -11,7 +11,7 @@ from farhand.laboratory.simulation import SimulationResult
 from farhand.runs.run import Run
 from farhand.runs.scenario import Scenario, replace_settings, scenario_to_table
 from farhand.trials.leaderboard.judge.witness import Seen, watched
-from farhand.trials.leaderboard.methods.method import method_named
+from farhand.trials.leaderboard.methods.method import applied, method_named
 from farhand.trials.leaderboard.tasks.scenes import SCENES
 
 MOST_DRAWS = 500
@@ -136,7 +136,7 @@ def _undelayed(
     scenario: Scenario, method: str, seed: int, *, sidestep: bool
 ) -> tuple[SimulationResult, Seen]:
     posed = replace_settings(
-        method_named(method).applied_to(scenario), {"steering.tester": {"sidestep": sidestep}}
+        applied(method_named(method), scenario), {"steering.tester": {"sidestep": sidestep}}
     )
     run = msgspec.structs.replace(
         Run.over(posed, "none", seed=seed), time_limit=IDEAL_LIMIT, computing_time=(0.0,)

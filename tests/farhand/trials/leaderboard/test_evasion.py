@@ -96,3 +96,16 @@ def test_what_the_robot_is_too_near_to_already_does_not_excuse_the_next():
     (encounter,) = met()
     assert judged(1, [encounter], around) == Verdict(0, 0)  # nothing is clear of what it is in
     assert judged(1, [Encounter(encounter.before, frozenset({"over"}))], around) == Verdict(1, 0)
+
+
+def test_nobody_evades_through_what_the_robot_is_too_near_to_already():
+    """A ball comes along a closed tube; in its end the robot is 5 mm too near to the wall behind it."""
+    half = scene().robot.radius + 0.012
+    walls = [
+        Obstacle(id=f"{axis}{sign}", position=tuple(sign * (half + 0.05 - near) * np.eye(3)[axis]),
+                 shape=Box(tuple(np.where(np.eye(3)[axis], 0.05, 2.0))))
+        for axis, sign, near in ((0, -1.0, 0.007), (1, 1.0, 0.0), (1, -1.0, 0.0), (2, 1.0, 0.0), (2, -1.0, 0.0))
+    ]  # fmt: skip
+    around = scene(coming(scene()), *walls)
+    (encounter,) = met()
+    assert judged(1, [Encounter(encounter.before, frozenset({"0-1.0"}))], around) == Verdict(0, 0)

@@ -1,6 +1,7 @@
 """A method may change what is its own, and nothing of the task; its kinds are there while it runs, and no other's."""
 
 import sys
+from contextlib import suppress
 
 import pytest
 
@@ -12,11 +13,13 @@ from farhand.runs.scenario import scenario_to_table
 from farhand.trials.leaderboard import running
 from farhand.trials.leaderboard.board import Board
 from farhand.trials.leaderboard.methods.code import code_of
-from farhand.trials.leaderboard.networks import NETWORKS, content_of
+from farhand.trials.leaderboard.methods.method import applied
+from farhand.trials.leaderboard.networks import NETWORKS, check_content, content_of
 from farhand.trials.leaderboard.operators import OPERATORS
 from farhand.trials.leaderboard.rows import row_of
 from farhand.trials.leaderboard.tasks.posing import Posed
 from farhand.trials.leaderboard.telling.cells import cell_of
+from farhand.trials.leaderboard.wall_limit import wall_limit
 
 TASK = make_task(0, 0)
 
@@ -40,13 +43,17 @@ def method(**settings):
         ({"operator.rate_hz": 100.0}, "operator.rate_hz"),
         ({"steering.kind": "tester"}, "steering.kind"),
         ({"steering.kind": "paced", "steering.paced": {"device": "tester"}}, "steering.kind"),
-        ({"controller.speed_limit": [1.9, 1.9, 1.9]}, "controller.speed_limit is raised"),
+        (
+            {"steering.kind": "person", "steering.person": {"device": "hostile", "settings": {"seed": 3}}},
+            "steering",
+        ),
+        ({"controller.period": 0.05}, "controller.period"),
     ],
 )
 def test_what_is_the_tasks_no_method_changes(settings, says):
     hostile = OPERATORS["hostile"].applied_to(TASK, 3)
     with pytest.raises(InputError, match=says):
-        method(**settings).applied_to(hostile)
+        applied(method(**settings), hostile)
 
 
 @pytest.mark.parametrize(
@@ -64,9 +71,17 @@ def test_what_is_the_tasks_no_method_changes(settings, says):
 )
 def test_what_is_its_own_a_method_changes(settings):
     hostile = OPERATORS["hostile"].applied_to(TASK, 3)
-    changed = method(**settings).applied_to(hostile)
+    changed = applied(method(**settings), hostile)
     assert changed != hostile
     assert changed.targets == hostile.targets
+
+
+def test_nobody_is_faster_than_the_task_lets_them():
+    limits = {"controller.speed_limit": [1.9, 0.1, 1.9], "controller.angular_limit": 1.9}
+    found = applied(method(**limits), TASK).controller
+    x, _, z = TASK.controller.speed_limit
+    assert found.speed_limit == (x, 0.1, z)
+    assert found.angular_limit == TASK.controller.angular_limit
 
 
 class Wide(MarginLaw):
@@ -79,10 +94,23 @@ class Wide(MarginLaw):
 def test_a_kind_is_there_while_its_method_runs_and_no_longer():
     brings = type("Brings", (Method,), {"settings": {"margin.kind": "wide"}, "margins": {"wide": Wide}})()
     with brings.known():
-        assert brings.applied_to(TASK).margin.kind == "wide"
+        assert applied(brings, TASK).margin.kind == "wide"
     assert "wide" not in MARGINS
     with pytest.raises(InputError, match="wide"):
-        method(**{"margin.kind": "wide"}).applied_to(TASK)
+        applied(method(**{"margin.kind": "wide"}), TASK)
+
+
+def test_what_a_script_has_added_is_there_again_after_a_method_of_the_same_name(monkeypatch):
+    monkeypatch.setattr(MARGINS, "_loaded", dict(MARGINS._loaded))
+    monkeypatch.setattr(MARGINS, "_added", set())
+    other = type("Other", (Wide,), {})
+    MARGINS.add("wide", other)
+    with type("Brings", (Method,), {"margins": {"wide": Wide}})().known():
+        assert MARGINS.get("wide") is Wide
+    assert MARGINS.get("wide") is other
+    with type("Same", (Method,), {"margins": {"wide": other}})().known():
+        assert MARGINS.get("wide") is other
+    assert MARGINS.get("wide") is other
 
 
 def write_method(folder, monkeypatch, name, law):
@@ -120,6 +148,23 @@ def test_a_method_that_hangs_costs_its_row_alone(tmp_path, monkeypatch):
     assert "took more than 0.3 s of real time" in running.run_one(spec_of(name)).error
 
 
+def swallowing():
+    """Work that takes the end of its time, twice, for somebody's error."""
+    with wall_limit(0.05):
+        for _ in range(2):
+            with suppress(TimeoutError):
+                while True:
+                    pass
+
+
+def test_what_swallows_the_end_of_its_time_is_late_all_the_same(monkeypatch):
+    monkeypatch.setattr("farhand.trials.leaderboard.wall_limit.AGAIN", 0.05)
+    with pytest.raises(TimeoutError, match="took more than"):
+        swallowing()
+    with wall_limit(5.0):
+        pass
+
+
 def test_rows_are_keyed_by_all_the_files_of_a_method_and_of_a_network(tmp_path, monkeypatch):
     name = write_method(tmp_path, monkeypatch, "has_a_law_beside", "return Margin(inflation=0.1)")
     spec = spec_of(name)
@@ -137,5 +182,8 @@ def test_rows_are_keyed_by_all_the_files_of_a_method_and_of_a_network(tmp_path, 
     first = content_of(text, text)
     trace.write_text("t_ms,delay_ms\n0,10\n100,30\n")
     assert first
+    content_of.cache_clear()
     assert content_of(text, text) not in ("", first)
+    with pytest.raises(InputError, match="have changed since the table was begun"):
+        check_content(text, text, f"{text}@{first}/static/nothing/tester/0")
     assert content_of("constant", NETWORKS["constant"]) == ""

@@ -141,6 +141,27 @@ def test_a_crash_is_run_again_and_a_task_that_could_not_be_posed_is_said(tmp_pat
     assert "tasks that could not be posed, and are in no cell: static/1: none could be done" in said
 
 
+def test_what_another_command_crashed_is_shown_as_it_was(tmp_path, monkeypatch):
+    out = tmp_path / "table"
+    monkeypatch.setattr(running, "run_one", lambda spec: lost(spec, "no memory") if spec.index else ran(spec))
+    assert run_board(board("paper"), HerePool(), out) == 1
+    monkeypatch.setattr(running, "run_one", ran)
+    assert run_board(board("both"), HerePool(), out) == 0
+    cell = page_of(out)["cells"]["tester|paper|static|constant"]
+    assert (cell["n"], cell["crashed"], cell["safeOf"]) == (2, 1, 1)
+
+
+def test_versions_of_a_method_do_not_meet_in_a_cell(tmp_path, monkeypatch):
+    out, code = tmp_path / "table", ["one"]
+    monkeypatch.setattr("farhand.trials.leaderboard.board.code_of", lambda name: code[0] * (name == "guard"))
+    assert run_board(board("guard,nothing", tasks=4), HerePool(), out) == 0
+    code[0] = "two"
+    assert run_board(board("guard"), HerePool(), out) == 0
+    cells = page_of(out)["cells"]
+    assert cells["tester|guard|static|constant"]["n"] == 2
+    assert cells["tester|nothing|static|constant"]["n"] == 4
+
+
 def test_cells_are_in_the_json(tmp_path, capsys):
     assert run_board(board(), HerePool(), tmp_path / "table", as_json=True) == 0
     (cell,) = json.loads(capsys.readouterr().out)["cells"]
@@ -151,7 +172,9 @@ def test_a_folder_that_is_no_tables_and_a_damaged_row_are_refused(tmp_path):
     foreign = tmp_path / "site"
     foreign.mkdir()
     (foreign / "index.html").write_text("mine")
-    with pytest.raises(InputError, match=r"is not empty, and no campaign's: it holds index.html"):
+    with pytest.raises(
+        InputError, match=r"holds index.html, which would be written anew, and no campaign.json"
+    ):
         run_board(board(), HerePool(), foreign)
     assert (foreign / "index.html").read_text() == "mine"
 
