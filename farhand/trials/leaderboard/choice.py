@@ -5,10 +5,10 @@ from collections.abc import Callable
 from farhand.common.errors import InputError
 from farhand.common.kinds import made
 from farhand.runs.scenario import load_scenario
-from farhand.trials.leaderboard.board import Board
 from farhand.trials.leaderboard.methods.method import METHODS, applied, method_named
-from farhand.trials.leaderboard.networks import NETWORKS, networks_named
-from farhand.trials.leaderboard.operators import OPERATORS
+from farhand.trials.leaderboard.plan.board import Board
+from farhand.trials.leaderboard.plan.networks import NETWORKS, networks_named
+from farhand.trials.leaderboard.plan.operators import OPERATORS
 from farhand.trials.leaderboard.tasks.scenes import SCENES
 
 TASKS = 20

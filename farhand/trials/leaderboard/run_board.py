@@ -16,9 +16,10 @@ from farhand.laboratory.campaigns.campaign import Work
 from farhand.laboratory.campaigns.pools import Pool
 from farhand.laboratory.campaigns.run_table1 import Words, report_crashes, run_with_progress
 from farhand.laboratory.campaigns.store import CAMPAIGN, Store
-from farhand.trials.leaderboard import rows, running
-from farhand.trials.leaderboard.board import Board, versions_in
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard import running
+from farhand.trials.leaderboard.plan import rows
+from farhand.trials.leaderboard.plan.board import Board, versions_in
+from farhand.trials.leaderboard.plan.rows import Row
 from farhand.trials.leaderboard.tasks import posing
 from farhand.trials.leaderboard.tasks.posing import Posed
 from farhand.trials.leaderboard.telling.cells import told_cells

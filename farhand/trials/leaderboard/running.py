@@ -17,9 +17,9 @@ from farhand.trials.leaderboard.judge.smoothness import spectral_arc_length
 from farhand.trials.leaderboard.judge.witness import SPEED_RATE_HZ, Seen, watched
 from farhand.trials.leaderboard.methods.code import check_code
 from farhand.trials.leaderboard.methods.method import Method, applied, method_named
-from farhand.trials.leaderboard.networks import check_content
-from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.rows import Row, Spec, lost, row_of
+from farhand.trials.leaderboard.plan.networks import check_content
+from farhand.trials.leaderboard.plan.operators import OPERATORS
+from farhand.trials.leaderboard.plan.rows import Row, Spec, lost, row_of
 from farhand.trials.leaderboard.wall_limit import wall_limit
 
 PATIENCE, SPARE = 4.0, 20.0

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TypeVar
 
 from farhand.laboratory.campaigns.statistics import clopper_pearson
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.plan.rows import Row
 
 K = TypeVar("K", bound=Hashable)
 

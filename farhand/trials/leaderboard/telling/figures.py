@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from farhand.runs.figure import STYLE, save
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.plan.rows import Row
 from farhand.trials.leaderboard.telling.cells import Cell, cells_by
 
 ACCENT, GREY = "#0063a8", "#7a8490"

@@ -9,8 +9,8 @@ from farhand.common.result_file import write_whole
 from farhand.laboratory.campaigns.run_sweep import PARQUET, WITHOUT_PARQUET, has_parquet, write_columns
 from farhand.laboratory.campaigns.run_table1 import keep
 from farhand.laboratory.campaigns.store import TABLE, to_csv
-from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.plan.board import Board
+from farhand.trials.leaderboard.plan.rows import Row
 from farhand.trials.leaderboard.tasks.posing import Posed
 from farhand.trials.leaderboard.telling.figures import draw_figures
 from farhand.trials.leaderboard.telling.page import html

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from farhand.common.errors import InputError
-from farhand.trials.leaderboard.board import Board
 from farhand.trials.leaderboard.methods.method import method_named
-from farhand.trials.leaderboard.networks import NETWORKS
-from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.plan.board import Board
+from farhand.trials.leaderboard.plan.networks import NETWORKS
+from farhand.trials.leaderboard.plan.operators import OPERATORS
+from farhand.trials.leaderboard.plan.rows import Row
 from farhand.trials.leaderboard.tasks.posing import Posed
 from farhand.trials.leaderboard.tasks.scenes import SCENES
 from farhand.trials.leaderboard.telling.cells import Cell, cell_of

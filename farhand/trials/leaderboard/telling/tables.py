@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 
 from rich.table import Table
 
-from farhand.trials.leaderboard.board import command_of
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.plan.board import command_of
+from farhand.trials.leaderboard.plan.rows import Row
 from farhand.trials.leaderboard.tasks.posing import Posed
 from farhand.trials.leaderboard.telling.cells import Cell, cells_by
 

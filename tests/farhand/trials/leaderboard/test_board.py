@@ -16,10 +16,10 @@ from farhand.cli import run
 from farhand.laboratory.campaigns import pools
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.trials.leaderboard import running
-from farhand.trials.leaderboard.board import Board, command_of
 from farhand.trials.leaderboard.choice import chosen_board
 from farhand.trials.leaderboard.methods.method import METHODS, method_named
-from farhand.trials.leaderboard.networks import NETWORKS
+from farhand.trials.leaderboard.plan.board import Board, command_of
+from farhand.trials.leaderboard.plan.networks import NETWORKS
 from farhand.trials.leaderboard.run_board import run_board
 from farhand.trials.leaderboard.telling.tables import percent
 from tests.installed import ROOT

@@ -11,12 +11,12 @@ from farhand.laboratory.campaigns.tasks import make_task
 from farhand.operator_side.margins.registry import MARGINS
 from farhand.runs.scenario import scenario_to_table
 from farhand.trials.leaderboard import running
-from farhand.trials.leaderboard.board import Board
 from farhand.trials.leaderboard.methods.code import code_of
 from farhand.trials.leaderboard.methods.method import applied
-from farhand.trials.leaderboard.networks import NETWORKS, check_content, content_of
-from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.rows import row_of
+from farhand.trials.leaderboard.plan.board import Board
+from farhand.trials.leaderboard.plan.networks import NETWORKS, check_content, content_of
+from farhand.trials.leaderboard.plan.operators import OPERATORS
+from farhand.trials.leaderboard.plan.rows import row_of
 from farhand.trials.leaderboard.tasks.posing import Posed
 from farhand.trials.leaderboard.telling.cells import cell_of
 from farhand.trials.leaderboard.wall_limit import wall_limit

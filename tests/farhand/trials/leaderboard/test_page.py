@@ -7,8 +7,8 @@ import subprocess
 
 import pytest
 
-from farhand.trials.leaderboard.board import Board
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.plan.board import Board
+from farhand.trials.leaderboard.plan.rows import Row
 from farhand.trials.leaderboard.telling.page import HERE, LONGEST, html
 from farhand.trials.leaderboard.telling.tables import bound, percent
 from tests.operator_side.console.browser import CHROMIUM, DRIVER, Browser

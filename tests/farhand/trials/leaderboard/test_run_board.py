@@ -10,9 +10,9 @@ from farhand.common.errors import InputError
 from farhand.laboratory.campaigns.tasks import make_task
 from farhand.runs.scenario import scenario_to_table
 from farhand.trials.leaderboard import running
-from farhand.trials.leaderboard.board import command_of
 from farhand.trials.leaderboard.choice import chosen_board
-from farhand.trials.leaderboard.rows import Row, lost, row_of
+from farhand.trials.leaderboard.plan.board import command_of
+from farhand.trials.leaderboard.plan.rows import Row, lost, row_of
 from farhand.trials.leaderboard.run_board import run_board
 from farhand.trials.leaderboard.tasks import posing
 from farhand.trials.leaderboard.tasks.posing import Posed
@@ -153,7 +153,9 @@ def test_what_another_command_crashed_is_shown_as_it_was(tmp_path, monkeypatch):
 
 def test_versions_of_a_method_do_not_meet_in_a_cell(tmp_path, monkeypatch):
     out, code = tmp_path / "table", ["one"]
-    monkeypatch.setattr("farhand.trials.leaderboard.board.code_of", lambda name: code[0] * (name == "guard"))
+    monkeypatch.setattr(
+        "farhand.trials.leaderboard.plan.board.code_of", lambda name: code[0] * (name == "guard")
+    )
     assert run_board(board("guard,nothing", tasks=4), HerePool(), out) == 0
     code[0] = "two"
     assert run_board(board("guard"), HerePool(), out) == 0

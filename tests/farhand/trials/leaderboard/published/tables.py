@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import msgspec
 import pyarrow.parquet as pq
 
-from farhand.trials.leaderboard.rows import Row
+from farhand.trials.leaderboard.plan.rows import Row
 from farhand.trials.leaderboard.tasks.scenes import SCENES
 from farhand.trials.leaderboard.telling.cells import Cell, cells_by
 from farhand.trials.leaderboard.telling.tables import bound, millimetres, percent

@@ -10,9 +10,9 @@ from farhand.laboratory.campaigns.store import source_digest
 from farhand.programs.wiring import versions
 from farhand.trials.leaderboard.methods.code import code_of
 from farhand.trials.leaderboard.methods.method import METHODS
-from farhand.trials.leaderboard.networks import NETWORKS, content_of
-from farhand.trials.leaderboard.operators import OPERATORS
-from farhand.trials.leaderboard.rows import Row, Spec
+from farhand.trials.leaderboard.plan.networks import NETWORKS, content_of
+from farhand.trials.leaderboard.plan.operators import OPERATORS
+from farhand.trials.leaderboard.plan.rows import Row, Spec
 from farhand.trials.leaderboard.tasks.posing import Posed, PoseJob
 from farhand.trials.leaderboard.tasks.scenes import SCENES
 

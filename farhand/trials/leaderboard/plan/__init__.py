@@ -1,0 +1,1 @@
+"""What is run: the board, its networks and operators, and what a row of it says."""
