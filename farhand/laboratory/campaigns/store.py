@@ -24,11 +24,6 @@ _WRITTEN = (ROWS, TABLE, "tasks.parquet", "index.html", "leaderboard.md", "table
 """Of campaigns."""
 SELECTION = "selection"
 """Key of the settings that only say which rows are wanted."""
-_SHOWS = frozenset(
-    {f"trials/leaderboard/telling/{name}.py" for name in ("page", "tables", "figures", "files")}
-    | {f"laboratory/campaigns/{name}.py" for name in ("figures", "table1_report")}
-)
-"""What only shows rows that are there."""
 FIELDS = tuple(name for name in Row.__struct_fields__ if name not in ("key", "labels"))
 """Of a run's row."""
 
@@ -206,12 +201,16 @@ def _row(line: bytes, kind: type[R]) -> R | None:
         return None
 
 
-def source_digest() -> str:
-    """Hash of the code, scenarios and arms that decide rows: a campaign must not go on with others."""
+def source_digest(*shows: str) -> str:
+    """Hash of the code, scenarios and arms that decide rows: a campaign must not go on with others.
+
+    Args:
+        shows: files and folders of `farhand` that only show rows which are there.
+    """
     root = Path(__file__).resolve().parents[2]
     # folder by folder, as those of the sides may be links
     found = [path for folder in root.iterdir() if folder.is_dir() for path in folder.rglob("*.py")]
-    files = [path for path in found if str(path.relative_to(root)) not in _SHOWS]
+    files = [path for path in found if not any(map(path.relative_to(root).is_relative_to, shows))]
     files += (root / "scenarios").glob("*.toml")
     files += (root / "robot_side/arm/models").iterdir()
     digest = hashlib.sha256()

@@ -27,6 +27,8 @@ DELAYS = {
 """SPEC of each direction for each of the paper's delays."""
 
 MARGINS = ("none", "paper", "adaptive")
+SHOWS = ("laboratory/campaigns/figures.py", "laboratory/campaigns/table1_report.py")
+"""Files of `farhand` that only show the rows."""
 
 PAPER_TASKS = 10
 PAPER = {
@@ -87,7 +89,7 @@ class Table1:
             "robot": self.robot,
             "computing_time": list(self.computing_time),
             "time_limit": self.time_limit,
-            "versions": versions() | {"source": source_digest()},
+            "versions": versions() | {"source": source_digest(*SHOWS)},
         }
 
     def jobs(self) -> list[Job]:

@@ -81,8 +81,9 @@ def run_board(board: Board, pool: Pool, out: Path, *, as_json: bool = False) -> 
         try:
             posed, mine, run = _run(board, folder, pool, console)
         except KeyboardInterrupt:
-            if store.rows:
-                write_files(*folder.everything(board), out, console)
+            shown, posed, found = folder.everything(board)
+            if found:
+                write_files(shown, posed, found, out, console)
             raise
     shown, posed_ever, found = folder.everything(board)
     written = write_files(shown, posed_ever, found, out, console)

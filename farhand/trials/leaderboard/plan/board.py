@@ -64,7 +64,7 @@ class Board:
                 "operators": list(self.operators),
                 "commands": list(self.commands()),
             },
-            "versions": versions() | {"source": source_digest()},
+            "versions": versions() | {"source": source_digest("trials/leaderboard/telling")},
         }
 
     def commands(self) -> tuple[str, ...]:
@@ -83,7 +83,7 @@ class Board:
         alone = self.only if indices == {self.only} else None
         return replace(
             self,
-            tasks=self.tasks if alone is not None else max(self._tasks_for(row) for row in rows),
+            tasks=self.tasks if alone is not None else max(map(self._tasks_for, rows), default=self.tasks),
             networks={name: NETWORKS.get(name, name) for name in networks},
             scenes=also(self.scenes, tuple(SCENES), (row.scene for row in rows)),
             methods=also(self.methods, METHODS.names(), (row.method for row in rows)),

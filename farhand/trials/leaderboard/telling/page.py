@@ -43,7 +43,7 @@ WORDS = (
     (
         "the ideal operator",
         "the same tester, without any delay, with Farhand's guard or both layers (at least one of them brings it "
-        "safely through). Times and ways are over the quickest of these.",
+        "safely through). Times and ways are over the quickest of these, with side-steps or without.",
     ),
     ("intervals", INTERVALS),
 )

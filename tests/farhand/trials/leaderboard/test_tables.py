@@ -3,7 +3,8 @@
 from matplotlib.text import Text
 
 from farhand.trials.leaderboard.plan.rows import Row
-from farhand.trials.leaderboard.telling.figures import Box, draw_figures
+from farhand.trials.leaderboard.telling.figures import draw_figures
+from farhand.trials.leaderboard.telling.labels import Box
 from farhand.trials.leaderboard.telling.tables import by_method, millimetres, to_markdown
 
 
