@@ -174,7 +174,7 @@ function detail() {
     make("dl", {},
       ...entries.map(([k, v]) => make("div", {}, make("dt", { textContent: k }), make("dd", { textContent: v }))),
       ...lists.filter(([, v]) => v.length).map(([k, v]) => make("div", { className: "row" }, make("dt", { textContent: k }), ...v.map((textContent) => make("dd", { textContent }))))),
-    line("these runs again", command(c)),
+    line(cell.made ? `these runs again, among ${cell.made}` : "these runs again", command(c)),
     ...(worst ? [line("the worst of them alone", command(worst, cell.worst[2]))] : []),
   );
 }

@@ -105,7 +105,8 @@ def _data(board: Board, rows: Sequence[Row]) -> dict[str, Any]:
                 grouped.setdefault((row.operator, row.method, scene, network), []).append(row)
     texts: dict[str, int] = {}
     cells = {
-        "|".join(key): _figures(cell_of(found)) | _causes(found, texts) for key, found in grouped.items()
+        "|".join(key): _figures(cell_of(found)) | _causes(found, texts) | _made(board, key, len(found))
+        for key, found in grouped.items()
     }
     return {
         "operators": list(board.operators),
@@ -120,6 +121,16 @@ def _data(board: Board, rows: Sequence[Row]) -> dict[str, Any]:
         "texts": list(texts),
         "cells": cells,
     }
+
+
+def _made(board: Board, key: tuple[str, str, str, str], runs: int) -> dict[str, int]:
+    """How many runs the command of a cell makes, where they are others beside its own: not all of a folder is even."""
+    operator, _, scene, network = key
+    over = len(board.networks) if network == ALL else 1
+    made = over * sum(
+        len(board.tasks_of(name, operator)) for name in (board.scenes if scene == ALL else (scene,))
+    )
+    return {} if made == runs else {"made": made}
 
 
 def _causes(rows: Sequence[Row], texts: dict[str, int]) -> dict[str, Any]:

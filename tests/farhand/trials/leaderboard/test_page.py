@@ -89,6 +89,16 @@ def test_what_a_cell_says_of_runs_that_were_not_done(tmp_path):
     assert "why" not in gone
 
 
+def test_a_command_that_makes_other_runs_as_well_says_so(tmp_path):
+    data = json.loads(re.search(r"const BOARD = (.*);\n", page(tmp_path)).group(1))
+    assert not any("made" in cell for cell in data["cells"].values())
+    board = Board(tasks=4, networks=dict.fromkeys(("constant", "none"), "none"), scenes=("passage", "static"),
+                  methods=("both",), operators=("tester",))  # fmt: skip
+    data = json.loads(re.search(r"const BOARD = (.*);\n", html(board, [], ROWS[:4], tmp_path)).group(1))
+    cells = {key.partition("both|")[2]: cell.get("made") for key, cell in data["cells"].items()}
+    assert cells == {"passage|constant": None, "passage|*": 8, "*|constant": 8, "*|*": 16}
+
+
 def test_a_method_that_is_gone_is_a_name(tmp_path):
     text = page(tmp_path)
     assert "<dt>gone:Class</dt><dd></dd>" in text
